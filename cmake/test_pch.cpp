@@ -1,0 +1,1 @@
+// Carries the precompiled GoogleTest header for all test programs.

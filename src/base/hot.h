@@ -1,0 +1,13 @@
+// PARIAN_HOT marks a hot kernel: a non-template free function over plain pointers that is
+// compiled for several instruction sets and chosen at run time. Contraction to fused operations is
+// off everywhere and kernels keep one order of summation, so every clone gives the same bits.
+#pragma once
+
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(PARIAN_NO_CLONES)
+#define PARIAN_HOT __attribute__((target_clones("default", "avx2", "avx512f"), optimize("O3")))
+#else
+#define PARIAN_HOT
+#endif
+
+#define PARIAN_RESTRICT __restrict__

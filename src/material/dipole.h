@@ -1,0 +1,43 @@
+// The classic dipole (Jensen et al. 2001) for homogeneous materials, per transmitted flux: Fresnel
+// transmission at entry and exit is not in it (Boundary::excluded).
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace parian {
+
+// One channel's coefficients in 1/mm.
+struct DipoleCoefficients {
+  double sigma_a = 0.01;
+  double sigma_s_prime = 1;
+};
+
+struct Dipole {
+  std::vector<DipoleCoefficients> channels;  // 1, or 3: linear Rec. 709
+  double eta = 1.3;
+};
+
+// Average diffuse Fresnel reflectance, the polynomial of Egan and Hilgeman as in Jensen et al.
+double fresnel_diffuse_reflectance(double eta);
+// A = (1 + F_dr) / (1 - F_dr)
+double dipole_boundary_factor(double eta);
+// R_d(r) in 1/mm^2; r in mm.
+double eval_dipole(const DipoleCoefficients& medium, double eta, double r_mm);
+// 2 pi int R_d r dr = (alpha'/2) (1 + e^{-4/3 A s}) e^{-s}, s = sqrt(3 (1 - alpha')).
+double dipole_albedo(const DipoleCoefficients& medium, double eta);
+
+// Measured homogeneous materials shipped with Parian (data/materials.json lists the sources).
+struct NamedMaterial {
+  std::string name;
+  std::string source;
+  std::array<DipoleCoefficients, 3> channels;
+  double eta = 1.3;
+};
+const std::vector<NamedMaterial>& named_materials();
+// Throws Error naming the nearest known name.
+const NamedMaterial& find_named_material(std::string_view name);
+
+}  // namespace parian

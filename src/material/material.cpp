@@ -1,0 +1,144 @@
+#include "material/material.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "material/bssrdf_table.h"
+
+namespace parian {
+namespace {
+
+// Where R_d of a dipole falls to support_threshold of R_d(0), by bisection; it is monotone.
+double dipole_support(const DipoleCoefficients& medium, double eta) {
+  const double level = support_threshold * eval_dipole(medium, eta, 0);
+  double low = 0, high = 1e-3;
+  while (eval_dipole(medium, eta, high) > level && high < 1e6) high *= 2;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (eval_dipole(medium, eta, middle) > level ? low : high) = middle;
+  }
+  return high;
+}
+
+void eval_model_slice(const ProfileMap& map, const TableHeader&, int channel, Offset offset,
+                      float* slice) {
+  eval_slice(map, channel, offset, slice);
+}
+
+void eval_model_slice(const Dipole& dipole, const TableHeader& header, int channel, Offset offset,
+                      float* slice) {
+  const double r = length_px(offset) * header.pixel_pitch_mm;
+  const double value =
+      eval_dipole(dipole.channels[static_cast<std::size_t>(channel)], dipole.eta, r);
+  std::fill_n(slice, header.pixels(), std::numeric_limits<float>::quiet_NaN());
+  const PixelRange range = pairs_in_grid(header, offset);
+  for (int y = range.y0; y < range.y1; ++y)
+    for (int x = range.x0; x < range.x1; ++x)
+      slice[static_cast<std::size_t>(y) * static_cast<std::size_t>(header.width) +
+            static_cast<std::size_t>(x)] = static_cast<float>(value);
+}
+
+void check_grid(const ProfileMap& map, const TableHeader& like, const std::string& name) {
+  if (map.width != like.width || map.height != like.height || map.channels != like.channels)
+    throw Error({name, "grid",
+                 fmt::format("{} x {} pixels, {} channels, as the table", like.width, like.height,
+                             like.channels),
+                 fmt::format("{} x {} pixels, {} channels", map.width, map.height, map.channels)});
+  if (std::abs(map.pixel_pitch_mm / like.pixel_pitch_mm - 1) > 1e-6)
+    throw Error({name, "pixel_pitch_mm", fmt::format("{}, as the table", like.pixel_pitch_mm),
+                 fmt::format("{}", map.pixel_pitch_mm)});
+}
+
+void check_grid(const Dipole& dipole, const TableHeader& like, const std::string& name) {
+  if (dipole.channels.size() != static_cast<std::size_t>(like.channels))
+    throw Error({name, "channels", fmt::format("{}, as the table", like.channels),
+                 fmt::format("{}", dipole.channels.size())});
+}
+
+class ModelSource : public SliceSource {
+ public:
+  ModelSource(const Material& material, TableHeader header, std::string name)
+      : material_(material), header_(std::move(header)), name_(std::move(name)) {}
+  const TableHeader& header() const override { return header_; }
+  std::string name() const override { return name_; }
+  void read_slice(int channel, int offset_index, float* slice) const override {
+    const Offset offset = header_.offsets.at(static_cast<std::size_t>(offset_index));
+    std::visit([&](const auto& model) { eval_model_slice(model, header_, channel, offset, slice); },
+               material_);
+  }
+
+ private:
+  const Material& material_;
+  TableHeader header_;
+  std::string name_;
+};
+
+Boundary boundary_of(const ProfileMap& map) {
+  return map.boundary;
+}
+Boundary boundary_of(const Dipole&) {
+  return Boundary::excluded;
+}
+
+double support_of(const ProfileMap& map) {
+  double support = 0;
+  for (int c = 0; c < map.channels; ++c)
+    for (int y = 0; y < map.height; ++y)
+      for (int x = 0; x < map.width; ++x)
+        support = std::max(support, get_profile(map, c, x, y).support_mm);
+  return support;
+}
+
+double support_of(const Dipole& dipole) {
+  double support = 0;
+  for (const DipoleCoefficients& medium : dipole.channels)
+    support = std::max(support, dipole_support(medium, dipole.eta));
+  return support;
+}
+
+}  // namespace
+
+std::string describe_kind(const Material& material) {
+  return std::holds_alternative<ProfileMap>(material) ? "profile map" : "dipole";
+}
+
+double support_mm(const Material& material) {
+  return std::visit([](const auto& model) { return support_of(model); }, material);
+}
+
+TableHeader natural_header(const Material& material) {
+  const auto* map = std::get_if<ProfileMap>(&material);
+  if (map == nullptr)
+    throw Error(
+        {.expected = "a material with a grid of its own", .found = "a " + describe_kind(material)});
+  TableHeader header;
+  header.width = map->width;
+  header.height = map->height;
+  header.channels = map->channels;
+  header.pixel_pitch_mm = map->pixel_pitch_mm;
+  const double reach = std::hypot(map->width, map->height);
+  for (Offset offset : half_disc_offsets(std::min(reach, support_of(*map) / map->pixel_pitch_mm)))
+    if (std::abs(offset.dx) < map->width && offset.dy < map->height)
+      header.offsets.push_back(offset);
+  return header;
+}
+
+std::unique_ptr<SliceSource> make_slices(const Material& material, TableHeader like,
+                                         std::string name) {
+  std::visit(
+      [&](const auto& model) {
+        check_grid(model, like, name);
+        like.boundary = boundary_of(model);
+        like.eta = model.eta;
+      },
+      material);
+  like.noise_floor.clear();
+  like.noise_gain.clear();
+  return std::make_unique<ModelSource>(material, std::move(like), std::move(name));
+}
+
+}  // namespace parian
