@@ -2,12 +2,13 @@
 // not measured: every table made from one says so in its provenance.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "acquire/layout.h"
 #include "base/document.h"
 #include "image/image.h"
 #include "material/dipole.h"
@@ -15,17 +16,34 @@
 
 namespace parian {
 
-// Loads an image that a description names, relative to the description's file.
-using ImageLoader = std::function<Image(const std::string& path)>;
+// Coefficients of every pixel, made from a description. Values count as points at pixel centres,
+// bilinear between them.
+struct Sample {
+  std::string name;
+  int width = 0;
+  int height = 0;
+  int channels = 3;  // 1, or 3: linear Rec. 709
+  double pixel_pitch_mm = 1;
+  double radius_px = 1;  // offsets of its tables: |d| <= radius_px
+  double eta = 1.3;
+  std::uint64_t seed = 1;
+  std::vector<float> sigma_a;        // [channel][y][x], 1/mm
+  std::vector<float> sigma_s_prime;  // [channel][y][x], 1/mm, > 0
+  Document description;              // with the seed that was used
 
-struct Sample;
+  std::size_t pixels() const {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+};
 
 // Reads and checks a description (docs/samples.md, data/schema/sample.schema.json). Errors name
 // file and JSON pointer. `seed` replaces the description's when it is not negative.
 Sample read_sample(const Document& document, const ImageLoader& load_image, std::int64_t seed = -1);
 
 // The table of the analytic engine: the dipole at |x - y| with coefficients averaged along the
-// straight path from x to y. Slices are computed on demand.
+// straight path from x to y (path_stencil.h). Slices are computed on demand, from any thread, and
+// agree with eval_dipole to a relative error of 2e-6; values below the smallest normal float
+// become that one, so that all are positive.
 std::unique_ptr<SliceSource> make_analytic_source(const Sample& sample);
 
 }  // namespace parian

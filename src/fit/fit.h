@@ -39,7 +39,7 @@ struct FitResult {
 
 // Fits channel after channel; reads the table once per channel (more often with PairWeight::noise).
 // Throws Error for bad parameters, bad data and pixels without a measured pair (unless
-// fill_unmeasured). The map's provenance records the parameters.
+// fill_unmeasured). The map's provenance is left to the caller, who knows file names and JSON.
 FitResult fit_profiles(const SliceSource& table, const FitParams& params,
                        const Progress& progress = {});
 

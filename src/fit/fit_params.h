@@ -21,7 +21,7 @@ struct FitParams {
   double radius_mm = 0;          // r_s; 0: the table's largest offset
   std::vector<double> knots_mm;  // any knots instead of equal segments
   double lambda = 0.01;          // weight of the curvature rows (Eq. 9)
-  PairWeight weight = PairWeight::uniform;
+  PairWeight weight = PairWeight::inverse_quadratic;
   bool monotone = true;
   double tolerance = 1e-5;  // relative residual of the normal equations
   int max_iterations = 200;

@@ -1,0 +1,232 @@
+// parian info: what a file is, its sizes, statistics and provenance.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+
+#include "acquire/sample.h"
+#include "app/cli/command.h"
+#include "app/cli/inputs.h"
+#include "app/cli/output.h"
+#include "io/hdf5/map_file.h"
+#include "io/hdf5/table_file.h"
+#include "io/image/image_file.h"
+#include "io/json/json.h"
+#include "judge/row_sums.h"
+#include "material/profile_map.h"
+
+namespace parian {
+namespace {
+
+// Minimum, mean and maximum of a stream of numbers.
+struct Statistics {
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
+  double sum = 0;
+  std::size_t count = 0;
+};
+
+void add(Statistics& statistics, double value) {
+  statistics.min = std::min(statistics.min, value);
+  statistics.max = std::max(statistics.max, value);
+  statistics.sum += value;
+  ++statistics.count;
+}
+
+Document to_document(const Statistics& statistics) {
+  if (statistics.count == 0) return nullptr;
+  return Document::Object{{"min", statistics.min},
+                          {"mean", statistics.sum / static_cast<double>(statistics.count)},
+                          {"max", statistics.max}};
+}
+
+Document to_document(const std::vector<Statistics>& channels) {
+  Document::Array array;
+  for (const Statistics& channel : channels) array.push_back(to_document(channel));
+  return array;
+}
+
+std::vector<Statistics> channel_statistics(const Image& image) {
+  std::vector<Statistics> channels(static_cast<std::size_t>(image.channels));
+  for (std::size_t i = 0; i < image.values.size(); ++i)
+    if (std::isfinite(image.values[i])) add(channels[i % channels.size()], image.values[i]);
+  return channels;
+}
+
+void describe_grid(Document& figures, const TableHeader& header) {
+  set(figures, "width", header.width);
+  set(figures, "height", header.height);
+  set(figures, "channels", header.channels);
+  set(figures, "pixel_pitch_mm", header.pixel_pitch_mm);
+  set(figures, "boundary", header.boundary == Boundary::included ? "included" : "excluded");
+  set(figures, "eta", header.eta);
+}
+
+void describe_offsets(Document& figures, const TableHeader& header) {
+  set(figures, "offsets", header.offsets.size());
+  set(figures, "radius_px", radius_px(header));
+  set(figures, "radius_mm", radius_px(header) * header.pixel_pitch_mm);
+  set(figures, "symmetric", header.symmetric);
+  set(figures, "sampling", header.sampling == Sampling::area ? "area" : "point");
+  set(figures, "bytes",
+      4 * static_cast<std::size_t>(header.channels) * header.offsets.size() * header.pixels());
+}
+
+// Streams the table twice: for its values, and for its row sums.
+void describe_values(Document& figures, const SliceSource& table, const Context& context) {
+  const TableHeader& header = table.header();
+  std::vector<Statistics> channels(static_cast<std::size_t>(header.channels));
+  std::size_t pairs = 0, missing = 0, not_positive = 0;
+  for_each_slice(table, context.progress, "reading", [&](int c, int d, const float* slice) {
+    const PixelRange range = pairs_in_grid(header, header.offsets[static_cast<std::size_t>(d)]);
+    for (int y = range.y0; y < range.y1; ++y)
+      for (int x = range.x0; x < range.x1; ++x) {
+        const double value = static_cast<double>(slice[y * header.width + x]);
+        ++pairs;
+        not_positive += value <= 0;
+        if (std::isnan(value)) {
+          ++missing;
+        } else {
+          add(channels[static_cast<std::size_t>(c)], value);
+        }
+      }
+  });
+  set(figures, "pairs", pairs);
+  set(figures, "missing", missing);
+  set(figures, "missing_share", static_cast<double>(missing) / static_cast<double>(pairs));
+  set(figures, "not_positive", not_positive);
+  set(figures, "reflectance", to_document(channels));
+  const RowSums sums = measure_row_sums(table, context.progress);
+  set(figures, "albedo", to_document(channel_statistics(sums.albedo)));
+  set(figures, "albedo_above_one", sums.above_one);
+}
+
+Document describe_table(const std::string& path, const Context& context) {
+  const std::unique_ptr<SliceSource> table = open_table(path);
+  const TableHeader& header = table->header();
+  Document figures = Document::Object{{"file", path}, {"kind", "BSSRDF table"}};
+  describe_grid(figures, header);
+  describe_offsets(figures, header);
+  if (header.has_noise_model()) {
+    Document::Array floor(header.noise_floor.begin(), header.noise_floor.end());
+    Document::Array gain(header.noise_gain.begin(), header.noise_gain.end());
+    set(figures, "noise_floor", std::move(floor));
+    set(figures, "noise_gain", std::move(gain));
+  }
+  describe_values(figures, *table, context);
+  set(figures, "provenance", read_provenance(header.provenance));
+  return figures;
+}
+
+void describe_profiles(Document& figures, const ProfileMap& map) {
+  std::vector<Statistics> albedo(static_cast<std::size_t>(map.channels));
+  std::vector<Statistics> support(albedo.size());
+  for (int c = 0; c < map.channels; ++c)
+    for (int y = 0; y < map.height; ++y)
+      for (int x = 0; x < map.width; ++x) {
+        const Profile profile = get_profile(map, c, x, y);
+        add(albedo[static_cast<std::size_t>(c)], diffuse_albedo(profile));
+        add(support[static_cast<std::size_t>(c)], profile.support_mm);
+      }
+  set(figures, "albedo", to_document(albedo));
+  set(figures, "support_mm", to_document(support));
+}
+
+Document describe_map(const std::string& path) {
+  const ProfileMap map = load_profile_map(path);
+  TableHeader header;
+  header.width = map.width;
+  header.height = map.height;
+  header.channels = map.channels;
+  header.pixel_pitch_mm = map.pixel_pitch_mm;
+  header.boundary = map.boundary;
+  header.eta = map.eta;
+  Document figures = Document::Object{{"file", path}, {"kind", "profile map"}};
+  describe_grid(figures, header);
+  set(figures, "knots", map.knots_mm.size());
+  set(figures, "knots_mm", Document::Array(map.knots_mm.begin(), map.knots_mm.end()));
+  set(figures, "has_gain", !map.gain.empty());
+  set(figures, "has_dilation", !map.dilation.empty());
+  set(figures, "held_out", map.hold_out.fraction);
+  set(figures, "bytes", static_cast<std::size_t>(std::filesystem::file_size(path)));
+  describe_profiles(figures, map);
+  set(figures, "provenance", read_provenance(map.provenance));
+  return figures;
+}
+
+Document describe_image(const std::string& path) {
+  const Image image = load_image(path);
+  return Document::Object{{"file", path},
+                          {"kind", "image"},
+                          {"width", image.width},
+                          {"height", image.height},
+                          {"channels", image.channels},
+                          {"values", to_document(channel_statistics(image))}};
+}
+
+Document describe_sample(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const Sample sample = read_sample(load_document(path), [&](const std::string& name) {
+    return load_image((folder / name).string());
+  });
+  const TableHeader header = make_analytic_source(sample)->header();
+  Document figures = Document::Object{{"file", path}, {"kind", "sample description"}};
+  describe_grid(figures, header);
+  describe_offsets(figures, header);
+  set(figures, "provenance", read_provenance(header.provenance));
+  return figures;
+}
+
+Document describe_file(const std::string& path, const Context& context) {
+  switch (find_file_kind(path)) {
+    case FileKind::map:
+      return describe_map(path);
+    case FileKind::image:
+      return describe_image(path);
+    case FileKind::sample:
+      return describe_sample(path);
+    default:
+      return describe_table(path, context);
+  }
+}
+
+// Documents as aligned lines, "name  value"; nested ones as JSON.
+std::string format_lines(const Document& figures) {
+  std::string text;
+  for (const auto& [key, value] : as_object(figures)) {
+    const auto* string = std::get_if<std::string>(&value.value);
+    std::string shown = string ? *string : format_document(value);
+    if (std::holds_alternative<Document::Array>(value.value)) {  // on one line
+      shown.erase(std::remove(shown.begin(), shown.end(), '\n'), shown.end());
+      shown.erase(std::unique(shown.begin(), shown.end(),
+                              [](char a, char b) { return a == ' ' && b == ' '; }),
+                  shown.end());
+    }
+    text += fmt::format("{:<16} {}\n", key, shown);
+  }
+  return text;
+}
+
+}  // namespace
+
+CommandSpec make_info_command() {
+  const auto file = std::make_shared<std::string>();
+  CommandSpec command;
+  command.name = "info";
+  command.summary = "say what a file is: sizes, statistics, provenance";
+  command.example = "parian info stone.h5";
+  command.positionals = {{"FILE", "table, profile map, image or sample description", file.get()}};
+  command.has_figures = true;
+  command.run = [file](const Context& context) {
+    check_figures(context);
+    const Document figures = describe_file(*file, context);
+    write_figures(context, figures);
+    print_summary(context, format_lines(figures));
+  };
+  return command;
+}
+
+}  // namespace parian

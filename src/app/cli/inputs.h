@@ -1,0 +1,38 @@
+// Files that commands take, whatever their kind, and checks of where results go.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "judge/plot.h"
+#include "material/material.h"
+
+namespace parian {
+
+enum class FileKind { table, map, image, sample, other };
+
+// By the HDF5 attribute "format", then by the name's extension.
+FileKind find_file_kind(const std::string& path);
+
+// A table, or a material seen as one.
+struct Surface {
+  std::shared_ptr<const Material> material;  // null for tables
+  std::unique_ptr<SliceSource> slices;       // refers to *material
+
+  // The profile map, or null.
+  const ProfileMap* map() const {
+    return material ? std::get_if<ProfileMap>(material.get()) : nullptr;
+  }
+};
+
+// A material takes grid and offsets from `like`; without it, from its own grid and support.
+Surface open_surface(const std::string& path, const TableHeader* like = nullptr);
+
+// Before long work: throws when a result cannot be written or would replace an input.
+void check_output(const std::string& path, const std::vector<std::string>& inputs);
+
+// "X,Y", inside the grid.
+PlotPixel parse_pixel(const std::string& text, const TableHeader& header);
+
+}  // namespace parian

@@ -1,0 +1,266 @@
+// Products with the Hessian by convolution: kernels, block diagonal, curvature.
+#include "fit/hessian.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/check.h"
+#include "base/hot.h"
+#include "base/parallel.h"
+#include "fit/hessian_internal.h"
+
+namespace parian {
+namespace {
+
+constexpr std::size_t frequency_block = 512;
+
+// K_kl(d) = m phi c_k c_l at d and at -d, for plane j of Hessian::kernels, on the padded grid.
+std::vector<double> make_kernel(const ReducedSystem& system, const WeightTerm& term,
+                                const FftGrid& grid, std::size_t j) {
+  std::vector<double> kernel(static_cast<std::size_t>(grid.padded_width) *
+                             static_cast<std::size_t>(grid.padded_height));
+  const int k = static_cast<int>(j / 2);
+  const auto add = [&](Offset d, double value) {
+    const int x = d.dx < 0 ? d.dx + grid.padded_width : d.dx;
+    const int y = d.dy < 0 ? d.dy + grid.padded_height : d.dy;
+    kernel[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.padded_width) +
+           static_cast<std::size_t>(x)] += value;
+  };
+  for (std::size_t i = 0; i < system.offsets.size(); ++i) {
+    const double f = system.fraction[i];
+    double hats = 0;
+    if (j % 2 == 1) {
+      if (system.segment[i] == k) hats = (1 - f) * f;
+    } else if (system.segment[i] == k) {
+      hats = (1 - f) * (1 - f);
+    } else if (system.segment[i] == k - 1) {
+      hats = f * f;
+    }
+    if (hats == 0) continue;
+    const double value = system.pair_count[i] * term.phi[i] * hats;
+    add(system.offsets[i], value);
+    add({-system.offsets[i].dx, -system.offsets[i].dy}, value);
+  }
+  return kernel;
+}
+
+std::vector<double> mask_of(const ReducedSystem& system, const WeightTerm& term) {
+  if (term.u.empty()) return std::vector<double>(system.pixels(), 1.0);
+  return {term.u.begin(), term.u.end()};
+}
+
+// Real spectra of the kernels of one term, and its part of the block diagonal u (K * u).
+void add_term(const ReducedSystem& system, const WeightTerm& term, Hessian& hessian) {
+  const FftGrid& grid = hessian.grid;
+  const std::size_t planes = 2 * hessian.knots - 1, size = grid.spectrum_size();
+  const std::vector<double> u = mask_of(system, term);
+  std::vector<std::complex<double>> u_spectrum(size);
+  forward_fft(grid, u.data(), u_spectrum.data());
+  std::vector<double>& kernels = hessian.kernels.emplace_back(planes * size);
+  parallel_for(planes, [&](std::size_t j) {
+    std::vector<std::complex<double>> spectrum(size);
+    forward_fft_padded(grid, make_kernel(system, term, grid, j).data(), spectrum.data());
+    double* kernel = &kernels[j * size];
+    for (std::size_t f = 0; f < size; ++f) {
+      kernel[f] = spectrum[f].real();  // K is even: its spectrum is real
+      spectrum[f] = kernel[f] * u_spectrum[f];
+    }
+    std::vector<double> block(system.pixels());
+    inverse_fft(grid, spectrum.data(), block.data());
+    double* target =
+        (j % 2 == 0 ? hessian.diagonal : hessian.coupling).data() + j / 2 * system.pixels();
+    for (std::size_t x = 0; x < block.size(); ++x) target[x] += u[x] * block[x];
+  });
+}
+
+ProductMethod choose_method(const ReducedSystem& system, const FftGrid& grid) {
+  if (system.restream != nullptr) return ProductMethod::explicit_;
+  // Measured: about as many nanoseconds per pair as per padded pixel and transform.
+  const double pairs =
+      static_cast<double>(system.offsets.size()) * static_cast<double>(system.pixels());
+  const double transforms = 2.0 * static_cast<double>(system.knots() * system.weights.size()) * 2 *
+                            static_cast<double>(grid.spectrum_size());
+  return pairs < transforms ? ProductMethod::explicit_ : ProductMethod::fft;
+}
+
+// In place, for each frequency: the tridiagonal matrix of kernel values times the vector over
+// knots.
+template <typename Real>
+void multiply_frequencies(const double* kernels, std::size_t size, std::size_t knots,
+                          std::complex<Real>* spectrum, std::size_t begin, std::size_t end) {
+  static constexpr Real zeros[2 * frequency_block] = {};
+  Real previous[2 * frequency_block];
+  const std::size_t count = end - begin;
+  std::fill_n(previous, 2 * count, Real(0));
+  for (std::size_t k = 0; k < knots; ++k) {
+    auto* here = reinterpret_cast<Real*>(spectrum + k * size + begin);
+    const bool last = k + 1 == knots;
+    const auto* above =
+        last ? zeros : reinterpret_cast<const Real*>(spectrum + (k + 1) * size + begin);
+    const double* diagonal = kernels + 2 * k * size + begin;
+    const double* up = last ? diagonal : kernels + (2 * k + 1) * size + begin;
+    const double* down = k == 0 ? diagonal : kernels + (2 * k - 1) * size + begin;
+    multiply_block(here, above, previous, diagonal, up, down, last ? 0 : 1, k == 0 ? 0 : 1, count);
+  }
+}
+
+template <typename Real>
+std::complex<Real>* spectrum_of(HessianWorkspace& workspace, std::size_t size) {
+  if (workspace.spectrum.size() < size) workspace.spectrum.resize(size);
+  return reinterpret_cast<std::complex<Real>*>(workspace.spectrum.data());
+}
+
+template <typename Real>
+void multiply_plane(const float* u, const Real* in, Real* out, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<Real>(u[i]) * in[i];
+}
+
+// out (+)= u (K * (u p)) for one weight term.
+template <typename Real>
+void convolve(const ReducedSystem& system, const Hessian& hessian, std::size_t q, const Real* p,
+              Real* out, HessianWorkspace& workspace) {
+  const FftGrid& grid = hessian.grid;
+  const std::size_t size = grid.spectrum_size(), pixels = system.pixels(), knots = hessian.knots;
+  const std::vector<float>& u = system.weights[q].u;
+  auto* spectrum = spectrum_of<Real>(workspace, knots * size);
+  parallel_for(knots, [&](std::size_t k) {
+    if (u.empty()) return forward_fft(grid, p + k * pixels, spectrum + k * size);
+    std::vector<Real> masked(pixels);
+    multiply_plane(u.data(), p + k * pixels, masked.data(), pixels);
+    forward_fft(grid, masked.data(), spectrum + k * size);
+  });
+  parallel_for_blocks(size, frequency_block, [&](std::size_t begin, std::size_t end) {
+    multiply_frequencies(hessian.kernels[q].data(), size, knots, spectrum, begin, end);
+  });
+  parallel_for(knots, [&](std::size_t k) {
+    Real* target = out + k * pixels;
+    if (q == 0 && u.empty()) return inverse_fft(grid, spectrum + k * size, target);
+    std::vector<Real> plane(pixels);
+    inverse_fft(grid, spectrum + k * size, plane.data());
+    if (!u.empty()) multiply_plane(u.data(), plane.data(), plane.data(), pixels);
+    for (std::size_t i = 0; i < pixels; ++i) target[i] = q == 0 ? plane[i] : target[i] + plane[i];
+  });
+}
+
+// out += (D + lambda^2 L^T L) p
+template <typename Real>
+void add_local(const ReducedSystem& system, const Hessian* blocks, const Real* p, Real* out) {
+  const std::size_t pixels = system.pixels(), knots = system.knots();
+  const CurvatureBands bands = curvature_bands(system);
+  const std::vector<double> no_blocks(blocks == nullptr ? pixels : 0);
+  parallel_for(knots, [&](std::size_t k) {
+    LocalRow row;
+    const auto plane = [&](std::size_t neighbour) { return p + neighbour * pixels; };
+    const auto at_or_here = [&](bool exists, std::size_t neighbour) {
+      return exists ? plane(neighbour) : plane(k);
+    };
+    const double* diagonal = blocks != nullptr ? &blocks->diagonal[k * pixels] : no_blocks.data();
+    const bool up = k + 1 < knots, down = k > 0, up2 = k + 2 < knots, down2 = k > 1;
+    row.c0 = bands.main[k];
+    row.up = up ? bands.first[k] : 0;
+    row.down = down ? bands.first[k - 1] : 0;
+    row.up2 = up2 ? bands.second[k] : 0;
+    row.down2 = down2 ? bands.second[k - 2] : 0;
+    row.use_up = up && blocks != nullptr ? 1 : 0;
+    row.use_down = down && blocks != nullptr ? 1 : 0;
+    const double* coupling_up = row.use_up != 0 ? &blocks->coupling[k * pixels] : diagonal;
+    const double* coupling_down =
+        row.use_down != 0 ? &blocks->coupling[(k - 1) * pixels] : diagonal;
+    add_local_row(row, diagonal, coupling_up, coupling_down, plane(k), at_or_here(up, k + 1),
+                  at_or_here(down, k - 1), at_or_here(up2, k + 2), at_or_here(down2, k - 2),
+                  out + k * pixels, pixels);
+  });
+}
+
+template <typename Real>
+void apply(const ReducedSystem& system, const Hessian& hessian, const Real* p, Real* out,
+           HessianWorkspace& workspace) {
+  PARIAN_CHECK_EQ(hessian.knots, system.knots());
+  if (hessian.method == ProductMethod::explicit_) {
+    std::fill_n(out, system.unknowns(), Real(0));
+    add_pairs(system, p, out);
+    add_local(system, nullptr, p, out);
+    return;
+  }
+  for (std::size_t q = 0; q < system.weights.size(); ++q)
+    convolve(system, hessian, q, p, out, workspace);
+  add_local(system, &hessian, p, out);
+  subtract_missing(system, p, out);
+}
+
+}  // namespace
+
+CurvatureBands curvature_bands(const ReducedSystem& system) {
+  const std::size_t knots = system.knots();
+  CurvatureBands bands{std::vector<double>(knots), std::vector<double>(knots),
+                       std::vector<double>(knots)};
+  for (std::size_t k = 0; k + 2 < knots; ++k) {
+    const auto [l, m, r] = second_difference(system.knots_mm, k);
+    const double s = system.lambda * system.lambda;
+    bands.main[k] += s * l * l;
+    bands.main[k + 1] += s * m * m;
+    bands.main[k + 2] += s * r * r;
+    bands.first[k] += s * l * m;
+    bands.first[k + 1] += s * m * r;
+    bands.second[k] += s * l * r;
+  }
+  return bands;
+}
+
+Hessian make_hessian(const ReducedSystem& system, ProductMethod method) {
+  int reach_x = 0, reach_y = 0;
+  for (Offset offset : system.offsets) {
+    reach_x = std::max(reach_x, std::abs(offset.dx));
+    reach_y = std::max(reach_y, std::abs(offset.dy));
+  }
+  Hessian hessian;
+  hessian.grid = make_fft_grid(system.width, system.height, reach_x, reach_y);
+  hessian.knots = system.knots();
+  hessian.method =
+      method == ProductMethod::automatic ? choose_method(system, hessian.grid) : method;
+  hessian.diagonal.assign(system.unknowns(), 0.0);
+  hessian.coupling.assign(system.unknowns() - system.pixels(), 0.0);
+  for (const WeightTerm& term : system.weights) add_term(system, term, hessian);
+  return hessian;
+}
+
+bool shares_hessian(const ReducedSystem& system, const ReducedSystem& other) {
+  if (system.restream != nullptr || other.restream != nullptr) return false;
+  if (system.width != other.width || system.height != other.height ||
+      system.knots_mm != other.knots_mm || system.offsets != other.offsets ||
+      system.pair_count != other.pair_count || system.weights.size() != other.weights.size())
+    return false;
+  for (std::size_t q = 0; q < system.weights.size(); ++q)
+    if (system.weights[q].u != other.weights[q].u || system.weights[q].phi != other.weights[q].phi)
+      return false;
+  return true;
+}
+
+void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const double* p,
+                   double* out, HessianWorkspace& workspace) {
+  apply(system, hessian, p, out, workspace);
+}
+void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const float* p, float* out,
+                   HessianWorkspace& workspace) {
+  apply(system, hessian, p, out, workspace);
+}
+
+double eval_energy(const ReducedSystem& system, const double* p, const double* product) {
+  const double* b = system.right_hand_side.data();
+  const double quadratic =
+      parallel_sum(system.unknowns(), 1u << 15u, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t i = begin; i < end; ++i) sum += p[i] * (0.5 * product[i] - b[i]);
+        return sum;
+      });
+  return quadratic + system.constant;
+}
+
+double eval_energy(const ReducedSystem& system, const Hessian& hessian, const double* p) {
+  HessianWorkspace workspace;
+  std::vector<double> product(system.unknowns());
+  apply_hessian(system, hessian, p, product.data(), workspace);
+  return eval_energy(system, p, product.data());
+}
+
+}  // namespace parian

@@ -1,0 +1,62 @@
+// The matrix H of a reduced system: products with vectors, energies, and the inverse of its
+// translation-invariant part as preconditioner.
+#pragma once
+
+#include <complex>
+#include <memory>
+#include <vector>
+
+#include "fit/reduced_system.h"
+#include "math/fft.h"
+
+namespace parian {
+
+enum class ProductMethod {
+  automatic,
+  fft,       // convolutions: cost independent of the radius
+  explicit_  // pair by pair: small radii, restreamed weights, and the oracle of the tests
+};
+
+// Spectra of the ring kernels and the block diagonal. Depends on geometry and weights alone, so
+// channels with equal weights share one. Immutable, usable from several threads.
+struct Hessian {
+  ProductMethod method = ProductMethod::fft;
+  FftGrid grid;
+  std::size_t knots = 0;
+  // Per weight term: real spectra of the kernels 2 phi c_k c_l, planes in the order
+  // (0,0), (0,1), (1,1), (1,2), ... of (k,l).
+  std::vector<std::vector<double>> kernels;
+  std::vector<double> diagonal;  // [k][y][x]: u (K_kk * u), summed over terms
+  std::vector<double> coupling;  // [k][y][x]: the same for (k, k+1); knots - 1 planes
+};
+
+Hessian make_hessian(const ReducedSystem& system, ProductMethod method = ProductMethod::automatic);
+// Whether a Hessian that was made for `other` serves `system` as well.
+bool shares_hessian(const ReducedSystem& system, const ReducedSystem& other);
+
+// Memory that products reuse: allocate once per solve.
+struct HessianWorkspace {
+  std::vector<std::complex<double>> spectrum;
+};
+
+// out = H p, also with the regulariser; p and out are distinct.
+void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const double* p,
+                   double* out, HessianWorkspace& workspace);
+void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const float* p, float* out,
+                   HessianWorkspace& workspace);
+
+// E(p), given the product H p.
+double eval_energy(const ReducedSystem& system, const double* p, const double* product);
+double eval_energy(const ReducedSystem& system, const Hessian& hessian, const double* p);
+
+// Inverse of H with its block diagonal frozen at the interior value: per spatial frequency one
+// banded matrix over knots, factored once (L D L^T).
+struct Preconditioner {
+  std::vector<float> inverse_diagonal;  // [k][frequency]
+  std::vector<float> lower1, lower2;    // [k][frequency]
+};
+Preconditioner make_preconditioner(const ReducedSystem& system, const Hessian& hessian);
+void apply_preconditioner(const Preconditioner& preconditioner, const Hessian& hessian,
+                          const float* r, float* z, HessianWorkspace& workspace);
+
+}  // namespace parian

@@ -1,0 +1,86 @@
+#include "fit/monotone.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "material/profile_map.h"
+
+namespace parian {
+namespace {
+
+constexpr std::size_t pixel_block = 1024;
+
+struct Pool {
+  double sum = 0, weight = 0;
+  std::size_t count = 0;
+};
+
+double log_integral(const std::vector<double>& knots, const std::vector<double>& values) {
+  // Relative to the maximum, so that nothing under- or overflows.
+  const double top = *std::max_element(values.begin(), values.end());
+  double sum = 0;
+  for (std::size_t k = 0; k + 1 < knots.size(); ++k)
+    sum +=
+        segment_integral(knots[k], knots[k + 1] - knots[k], values[k] - top, values[k + 1] - top);
+  return top + std::log(sum);
+}
+
+std::vector<double> pair_weights_of_knots(const ReducedSystem& system) {
+  std::vector<double> weights(system.knots());
+  for (std::size_t i = 0; i < system.offsets.size(); ++i) {
+    const auto k = static_cast<std::size_t>(system.segment[i]);
+    const double f = system.fraction[i];
+    weights[k] += system.pair_count[i] * (1 - f) * (1 - f);
+    weights[k + 1] += system.pair_count[i] * f * f;
+  }
+  const double largest = *std::max_element(weights.begin(), weights.end());
+  for (double& weight : weights)
+    weight = std::max(weight, 1e-6 * largest);  // knots that no pair sees
+  return weights;
+}
+
+}  // namespace
+
+bool make_non_increasing(std::vector<double>& values, const std::vector<double>& weights) {
+  if (std::is_sorted(values.rbegin(), values.rend())) return false;
+  std::vector<Pool> pools;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    pools.push_back({values[k] * weights[k], weights[k], 1});
+    while (pools.size() > 1) {
+      const Pool last = pools.back();
+      Pool& before = pools[pools.size() - 2];
+      if (before.sum * last.weight >= last.sum * before.weight) break;
+      before = {before.sum + last.sum, before.weight + last.weight, before.count + last.count};
+      pools.pop_back();
+    }
+  }
+  std::size_t k = 0;
+  for (const Pool& pool : pools)
+    for (std::size_t i = 0; i < pool.count; ++i) values[k++] = pool.sum / pool.weight;
+  // Quotients of neighbouring pools may round to a rise of one unit in the last place.
+  for (k = 1; k < values.size(); ++k) values[k] = std::min(values[k], values[k - 1]);
+  return true;
+}
+
+std::size_t project_monotone(const ReducedSystem& system, std::vector<double>& p) {
+  const std::size_t pixels = system.pixels(), knots = system.knots();
+  const std::vector<double> weights = pair_weights_of_knots(system);
+  std::atomic<std::size_t> touched{0};
+  parallel_for_blocks(pixels, pixel_block, [&](std::size_t begin, std::size_t end) {
+    std::vector<double> values(knots);
+    for (std::size_t x = begin; x < end; ++x) {
+      for (std::size_t k = 0; k < knots; ++k) values[k] = p[k * pixels + x];
+      const std::vector<double> before = values;
+      if (!make_non_increasing(values, weights)) continue;
+      ++touched;
+      const double shift =
+          log_integral(system.knots_mm, before) - log_integral(system.knots_mm, values);
+      for (std::size_t k = 0; k < knots; ++k) p[k * pixels + x] = values[k] + shift;
+    }
+  });
+  return touched;
+}
+
+}  // namespace parian

@@ -1,0 +1,19 @@
+// Non-increasing profiles with unchanged albedo, as the design demands of every material.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "fit/reduced_system.h"
+
+namespace parian {
+
+// Least-squares non-increasing fit to `values` with positive `weights` (pool adjacent violators).
+// Returns whether anything changed.
+bool make_non_increasing(std::vector<double>& values, const std::vector<double>& weights);
+
+// Projects each rising profile, weighting a knot by how many pairs see it (sum of m c_k^2), and
+// shifts it so that the integral of P r dr over the knots stays. Returns how many were touched.
+std::size_t project_monotone(const ReducedSystem& system, std::vector<double>& p);
+
+}  // namespace parian

@@ -1,0 +1,403 @@
+// The streaming pass: slices -> right-hand side, constant and missing pairs of a reduced system.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "base/check.h"
+#include "base/error.h"
+#include "base/hot.h"
+#include "base/parallel.h"
+#include "fit/pair_weights.h"
+#include "fit/reduced_system.h"
+#include "math/fast_math.h"
+
+namespace parian {
+namespace {
+
+constexpr std::size_t batch_size = 4;  // offsets whose contributions are added in one sweep
+constexpr std::size_t lane_count =
+    8;  // fixed partial sums: the same bits for every instruction set
+// Listed missing pairs per unknown beyond which products read the table again: 16 bytes.
+constexpr std::size_t missing_per_unknown = 4;
+
+// y <- 2 ln R where it is known, else 0. Adds to the sum of squares and counts known values.
+PARIAN_HOT void double_logs(float* PARIAN_RESTRICT y, std::size_t count,
+                            double* PARIAN_RESTRICT lanes, int* known) {
+  int seen = 0;
+  std::size_t i = 0;
+  for (; i + lane_count <= count; i += lane_count) {
+    for (std::size_t j = 0; j < lane_count; ++j) {
+      const float v = y[i + j];
+      const bool valid = v >= -1e30f;  // neither NaN nor -infinity
+      const float doubled = valid ? 2 * v : 0.0f;
+      y[i + j] = doubled;
+      lanes[j] += static_cast<double>(doubled) * static_cast<double>(doubled);
+      seen += valid ? 1 : 0;
+    }
+  }
+  for (; i < count; ++i) {
+    const bool valid = y[i] >= -1e30f;
+    y[i] = valid ? 2 * y[i] : 0.0f;
+    lanes[0] += static_cast<double>(y[i]) * static_cast<double>(y[i]);
+    seen += valid ? 1 : 0;
+  }
+  *known += seen;
+}
+
+// low += sum_j a_j (s_j + t_j), high += sum_j b_j (s_j + t_j) for four offsets.
+PARIAN_HOT void accumulate_row(double* PARIAN_RESTRICT low, double* PARIAN_RESTRICT high,
+                               const float* const* sources, const double* a, const double* b,
+                               std::size_t count) {
+  const float *PARIAN_RESTRICT s0 = sources[0], *PARIAN_RESTRICT t0 = sources[1];
+  const float *PARIAN_RESTRICT s1 = sources[2], *PARIAN_RESTRICT t1 = sources[3];
+  const float *PARIAN_RESTRICT s2 = sources[4], *PARIAN_RESTRICT t2 = sources[5];
+  const float *PARIAN_RESTRICT s3 = sources[6], *PARIAN_RESTRICT t3 = sources[7];
+  const double a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3], b0 = b[0], b1 = b[1], b2 = b[2],
+               b3 = b[3];
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto y0 = static_cast<double>(s0[i] + t0[i]), y1 = static_cast<double>(s1[i] + t1[i]);
+    const auto y2 = static_cast<double>(s2[i] + t2[i]), y3 = static_cast<double>(s3[i] + t3[i]);
+    low[i] += (a0 * y0 + a1 * y1) + (a2 * y2 + a3 * y3);
+    high[i] += (b0 * y0 + b1 * y1) + (b2 * y2 + b3 * y3);
+  }
+}
+
+PARIAN_HOT double sum_known(const float* values, std::size_t count) {
+  double lanes[lane_count] = {};
+  std::size_t i = 0;
+  for (; i + lane_count <= count; i += lane_count)
+    for (std::size_t j = 0; j < lane_count; ++j)
+      lanes[j] += values[i + j] > 0 ? static_cast<double>(values[i + j]) : 0.0;
+  for (; i < count; ++i) lanes[0] += values[i] > 0 ? static_cast<double>(values[i]) : 0.0;
+  double sum = 0;
+  for (double lane : lanes) sum += lane;
+  return sum;
+}
+
+// A slice of 2 ln R in a frame of zeros as wide as the reach of the offsets.
+struct Frame {
+  std::size_t margin_x = 0, margin_y = 0, stride = 0;
+  std::vector<float> values;
+
+  float* row(int y) {
+    return values.data() + (static_cast<std::size_t>(y) + margin_y) * stride + margin_x;
+  }
+};
+
+struct OffsetSums {
+  std::size_t known = 0, not_measured = 0, not_positive = 0, held_out = 0;
+  double squares = 0;  // sum of W (2 ln R)^2, without phi where the weights are phi alone
+};
+
+struct Build {
+  const SliceSource& table;
+  const ReducedParams& params;
+  ReducedSystem& system;
+  std::vector<OffsetSums> sums;         // per offset
+  std::vector<double> high;             // contributions to the knot above, [segment][y][x]
+  std::vector<std::atomic<bool>> seen;  // per pixel not measured at (0,0): has a pair after all
+  std::vector<std::uint32_t> suspects;  // those pixels
+  std::atomic<std::size_t> listed{0};
+};
+
+Frame make_frame(const ReducedSystem& system) {
+  Frame frame;
+  for (Offset offset : system.offsets) {
+    frame.margin_x = std::max(frame.margin_x, static_cast<std::size_t>(std::abs(offset.dx)));
+    frame.margin_y = std::max(frame.margin_y, static_cast<std::size_t>(std::abs(offset.dy)));
+  }
+  frame.stride = static_cast<std::size_t>(system.width) + 2 * frame.margin_x;
+  frame.values.assign(frame.stride * (static_cast<std::size_t>(system.height) + 2 * frame.margin_y),
+                      0.0f);
+  return frame;
+}
+
+// Pairs of this slice that take no part: lists them, and makes their values NaN.
+void list_missing(Build& build, std::size_t i, float* slice, OffsetSums& sums) {
+  ReducedSystem& system = build.system;
+  const TableHeader& header = build.table.header();
+  const Offset offset = system.offsets[i];
+  const PixelRange range = pairs_in_grid(header, offset);
+  const bool hold_out = system.hold_out.fraction > 0;
+  const auto width = static_cast<std::size_t>(system.width);
+  for (int y = range.y0; y < range.y1; ++y) {
+    for (int x = range.x0; x < range.x1; ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
+      float& value = slice[pixel];
+      if (std::isnan(value)) {
+        ++sums.not_measured;
+      } else if (!(value >= std::numeric_limits<float>::min())) {
+        ++sums.not_positive;
+      } else if (hold_out && is_held_out(system.hold_out, x, y, offset)) {
+        ++sums.held_out;
+      } else {
+        continue;
+      }
+      value = std::numeric_limits<float>::quiet_NaN();
+      if (is_masked(system, offset, pixel)) continue;  // its weight is 0 already
+      if (build.listed < missing_per_unknown * system.unknowns()) {
+        ++build.listed;
+        system.missing[i].push_back(static_cast<std::uint32_t>(pixel));
+      }
+    }
+  }
+}
+
+void mark_seen(Build& build, Offset offset, const float* slice) {
+  if (offset == Offset{}) return;
+  const ReducedSystem& system = build.system;
+  for (std::size_t s = 0; s < build.suspects.size(); ++s) {
+    const int x = static_cast<int>(build.suspects[s]) % system.width,
+              y = static_cast<int>(build.suspects[s]) / system.width;
+    const bool before_inside = x - offset.dx >= 0 && x - offset.dx < system.width &&
+                               y - offset.dy >= 0 && y - offset.dy < system.height;
+    const std::ptrdiff_t before =
+        static_cast<std::ptrdiff_t>(y - offset.dy) * system.width + (x - offset.dx);
+    if (!std::isnan(slice[build.suspects[s]]) || (before_inside && !std::isnan(slice[before])))
+      build.seen[s] = true;
+  }
+}
+
+// Reads one slice into the frame as (weighted) 2 ln R; returns the factor of its contributions.
+double load_offset(Build& build, std::size_t i, std::vector<float>& slice, Frame& frame) {
+  ReducedSystem& system = build.system;
+  OffsetSums& sums = build.sums[i];
+  build.table.read_slice(system.channel, system.table_index[i], slice.data());
+  const PixelRange range = pairs_in_grid(build.table.header(), system.offsets[i]);
+  const std::size_t in_grid = static_cast<std::size_t>(std::max(0, range.x1 - range.x0)) *
+                              static_cast<std::size_t>(std::max(0, range.y1 - range.y0));
+  double lanes[lane_count] = {};
+  int known = 0;
+  const auto fill_frame = [&] {
+    std::fill_n(lanes, lane_count, 0.0);
+    known = 0;
+    for (int y = 0; y < system.height; ++y) {
+      log_array(&slice[static_cast<std::size_t>(y) * static_cast<std::size_t>(system.width)],
+                frame.row(y), static_cast<std::size_t>(system.width));
+      double_logs(frame.row(y), static_cast<std::size_t>(system.width), lanes, &known);
+    }
+  };
+  const bool hold_out = system.hold_out.fraction > 0;
+  if (!hold_out) fill_frame();
+  if (hold_out || static_cast<std::size_t>(known) != in_grid) {
+    list_missing(build, i, slice.data(), sums);
+    fill_frame();
+  }
+  if (!build.suspects.empty()) mark_seen(build, system.offsets[i], slice.data());
+  sums.known = static_cast<std::size_t>(known);
+  for (double lane : lanes) sums.squares += lane;
+
+  if (system.pair_weight == PairWeight::energy && system.weights[0].u.empty() &&
+      build.params.weights.empty())
+    system.weights[0].phi[i] = known > 0 ? sum_known(slice.data(), slice.size()) / known : 0;
+  if (!has_pair_weights(system)) return system.pair_count[i] * system.weights[0].phi[i];
+  // General weights: multiply them in, row by row.
+  sums.squares = 0;
+  std::vector<float> weight(static_cast<std::size_t>(system.width));
+  double weight_sum = 0;
+  for (int y = 0; y < system.height; ++y) {
+    fill_pair_weights(system, build.table.header(), i, y, slice.data(), weight.data());
+    float* row = frame.row(y);
+    for (std::size_t x = 0; x < weight.size(); ++x) {
+      sums.squares += static_cast<double>(weight[x]) * static_cast<double>(row[x]) *
+                      static_cast<double>(row[x]);
+      row[x] *= weight[x];
+      weight_sum += static_cast<double>(weight[x]);
+    }
+  }
+  if (system.pair_weight == PairWeight::noise)
+    system.weights[0].phi[i] = known > 0 ? weight_sum / known : 0;
+  return system.pair_count[i];
+}
+
+// All offsets of one segment: they touch the knots segment and segment + 1 only.
+void build_segment(Build& build, int segment, const Progress& progress, std::thread::id caller) {
+  ReducedSystem& system = build.system;
+  std::vector<std::size_t> members;
+  for (std::size_t i = 0; i < system.offsets.size(); ++i)
+    if (system.segment[i] == segment) members.push_back(i);
+  if (members.empty()) return;
+
+  const std::size_t pixels = system.pixels();
+  double* low = system.right_hand_side.data() + static_cast<std::size_t>(segment) * pixels;
+  double* high = build.high.data() + static_cast<std::size_t>(segment) * pixels;
+  std::vector<float> slice(pixels);
+  std::array<Frame, batch_size> frames;
+  for (Frame& frame : frames) frame = make_frame(system);
+
+  for (std::size_t begin = 0; begin < members.size(); begin += batch_size) {
+    if (progress.is_cancelled && std::this_thread::get_id() == caller && progress.is_cancelled())
+      throw make_cancelled_error();
+    std::array<double, batch_size> a{}, b{};
+    std::array<Offset, batch_size> offsets{};
+    for (std::size_t j = 0; j < batch_size && begin + j < members.size(); ++j) {
+      const std::size_t i = members[begin + j];
+      const double factor = load_offset(build, i, slice, frames[j]);
+      a[j] = factor * (1 - system.fraction[i]);
+      b[j] = factor * system.fraction[i];
+      offsets[j] = system.offsets[i];
+    }
+    const auto width = static_cast<std::size_t>(system.width);
+    for (int y = 0; y < system.height; ++y) {
+      std::array<const float*, 2 * batch_size> sources{};
+      for (std::size_t j = 0; j < batch_size; ++j) {  // unused frames are read with a factor of 0
+        sources[2 * j] = frames[j].row(y);
+        sources[2 * j + 1] = frames[j].row(y - offsets[j].dy) - offsets[j].dx;
+      }
+      accumulate_row(low + static_cast<std::size_t>(y) * width,
+                     high + static_cast<std::size_t>(y) * width, sources.data(), a.data(), b.data(),
+                     width);
+    }
+  }
+}
+
+void find_suspects(Build& build) {
+  ReducedSystem& system = build.system;
+  const int centre = find_offset(build.table.header(), {});
+  std::vector<float> slice(system.pixels());
+  build.table.read_slice(system.channel, centre, slice.data());
+  for (std::size_t i = 0; i < slice.size(); ++i)
+    if (!(slice[i] >= std::numeric_limits<float>::min()))
+      build.suspects.push_back(static_cast<std::uint32_t>(i));
+  build.seen = std::vector<std::atomic<bool>>(build.suspects.size());
+}
+
+// Scales all phi so that the largest is 1, with b and c.
+void normalise_energy_weights(ReducedSystem& system) {
+  auto& phi = system.weights[0].phi;
+  const double largest = *std::max_element(phi.begin(), phi.end());
+  if (!(largest > 0)) return;
+  for (double& value : phi) value /= largest;
+  for (double& value : system.right_hand_side) value /= largest;
+  system.constant /= largest;
+}
+
+void add_up(Build& build) {
+  ReducedSystem& system = build.system;
+  const std::size_t pixels = system.pixels();
+  for (std::size_t i = pixels; i < system.right_hand_side.size(); ++i)
+    system.right_hand_side[i] += build.high[i - pixels];
+  for (std::size_t i = 0; i < system.offsets.size(); ++i) {
+    const OffsetSums& sums = build.sums[i];
+    const double phi = has_pair_weights(system) ? 1 : system.weights[0].phi[i];
+    system.constant += 0.5 * system.pair_count[i] * phi * sums.squares;
+    system.pairs += static_cast<std::size_t>(system.pair_count[i]) * sums.known;
+    system.not_measured += sums.not_measured;
+    system.not_positive += sums.not_positive;
+    system.held_out += sums.held_out;
+  }
+}
+
+std::vector<std::uint32_t> never_seen(const Build& build) {
+  std::vector<std::uint32_t> pixels;
+  for (std::size_t s = 0; s < build.suspects.size(); ++s)
+    if (!build.seen[s]) pixels.push_back(build.suspects[s]);
+  return pixels;
+}
+
+void place_offsets(const TableHeader& header, const ReducedParams& params, ReducedSystem& system) {
+  const auto& knots = params.knots_mm;
+  for (std::size_t d = 0; d < header.offsets.size(); ++d) {
+    const double r = length_px(header.offsets[d]) * header.pixel_pitch_mm;
+    if (r > knots.back() * (1 + 1e-9)) continue;
+    const auto above =
+        std::upper_bound(knots.begin(), knots.end(), r * (1 + 1e-12)) - knots.begin();
+    const auto upper =
+        static_cast<std::size_t>(std::min<std::ptrdiff_t>(above, std::ssize(knots) - 1));
+    const double fraction = (r - knots[upper - 1]) / (knots[upper] - knots[upper - 1]);
+    system.offsets.push_back(header.offsets[d]);
+    system.table_index.push_back(static_cast<int>(d));
+    system.pair_count.push_back(pair_count(header, header.offsets[d]));
+    system.segment.push_back(static_cast<int>(upper) - 1);
+    system.fraction.push_back(std::clamp(fraction, 0.0, 1.0));
+  }
+}
+
+ReducedSystem make_geometry(const SliceSource& table, int channel, const ReducedParams& params) {
+  const TableHeader& header = table.header();
+  PARIAN_CHECK(params.knots_mm.size() >= 2 && params.knots_mm[0] == 0);
+  PARIAN_CHECK_LT(channel, header.channels);
+  ReducedSystem system;
+  system.width = header.width;
+  system.height = header.height;
+  system.pixel_pitch_mm = header.pixel_pitch_mm;
+  system.knots_mm = params.knots_mm;
+  system.lambda = params.lambda;
+  system.channel = channel;
+  system.pair_weight = params.weight;
+  system.hold_out = params.hold_out;
+  place_offsets(header, params, system);
+  system.weights = make_weight_terms(system, params);
+  system.missing.resize(system.offsets.size());
+  return system;
+}
+
+// The pass itself. Returns the pixels without any pair.
+std::vector<std::uint32_t> stream(const SliceSource& table, const ReducedParams& params,
+                                  ReducedSystem& system, const Progress& progress) {
+  if (system.pair_weight == PairWeight::noise && !table.header().has_noise_model())
+    throw Error({table.name(), "weight 'noise'",
+                 "a table with a noise model (noise_floor, noise_gain)", "none"});
+  if (system.pair_weight == PairWeight::noise) system.restream = &table;
+  system.right_hand_side.assign(system.unknowns(), 0.0);
+  Build build{table, params, system, std::vector<OffsetSums>(system.offsets.size()), {}, {}, {}};
+  build.high.assign((system.knots() - 1) * system.pixels(), 0.0);
+  find_suspects(build);
+
+  const std::size_t segments = system.knots() - 1;
+  const auto caller = std::this_thread::get_id();
+  std::atomic<std::size_t> done{0};
+  parallel_for(segments, [&](std::size_t task) {
+    build_segment(build, static_cast<int>(segments - 1 - task), progress,
+                  caller);  // the longest first
+    const double share = static_cast<double>(++done) / static_cast<double>(segments);
+    if (std::this_thread::get_id() == caller)
+      advance_progress(progress, "reading the table", share);
+  });
+  add_up(build);
+  if (system.pair_weight == PairWeight::energy && params.weights.empty())
+    normalise_energy_weights(system);
+  if (build.listed >= missing_per_unknown * system.unknowns()) {
+    system.restream = &table;
+    for (auto& list : system.missing) list = {};
+  }
+  return never_seen(build);
+}
+
+}  // namespace
+
+ReducedSystem make_reduced_system(const SliceSource& table, int channel,
+                                  const ReducedParams& params, const Progress& progress) {
+  ReducedSystem system = make_geometry(table, channel, params);
+  const std::vector<std::uint32_t> unmeasured = stream(table, params, system, progress);
+  if (unmeasured.empty()) return system;
+  if (!params.allow_unmeasured) {
+    const auto width = static_cast<std::uint32_t>(system.width);
+    throw Error({table.name(),
+                 fmt::format("channel {}, pixel ({}, {})", channel, unmeasured[0] % width,
+                             unmeasured[0] / width),
+                 "at least one measured pair within the radius (or --fill-unmeasured)",
+                 unmeasured.size() == 1
+                     ? "none"
+                     : fmt::format("none, as at {} other pixels", unmeasured.size() - 1)});
+  }
+  // Once more with these pixels masked, so that their pairs need not be listed.
+  ReducedParams masked = params;
+  ReducedSystem again = make_geometry(table, channel, params);
+  masked.weights = again.weights;
+  for (WeightTerm& term : masked.weights) {
+    if (term.u.empty()) term.u.assign(again.pixels(), 1.0f);
+    for (std::uint32_t pixel : unmeasured) term.u[pixel] = 0;
+    if (system.pair_weight == PairWeight::energy) term.phi = system.weights[0].phi;
+  }
+  again.weights = masked.weights;
+  stream(table, masked, again, progress);
+  return again;
+}
+
+}  // namespace parian

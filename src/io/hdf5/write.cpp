@@ -1,0 +1,144 @@
+#include "io/hdf5/write.h"
+
+#include <unistd.h>
+
+#include "base/check.h"
+#include "base/error.h"
+#include "io/hdf5/raw_file.h"
+#include "io/json/files.h"
+
+namespace parian::hdf5 {
+
+NewFile::NewFile(std::string path) : path_(std::move(path)) {
+  check_writable(path_);
+  temporary_ = temporary_name(path_);
+}
+
+NewFile::~NewFile() {
+  if (committed_) return;
+  // HDF5 cannot let go of a file whose metadata it cannot write: on a full disk, give back what the
+  // file took before HDF5 tries.
+  if (file_.valid()) [[maybe_unused]]
+    const int status = ::truncate(temporary_.c_str(), 0);
+  file_.close();
+  ::unlink(temporary_.c_str());
+}
+
+hid_t NewFile::check(hid_t id_or_status) const {
+  if (id_or_status >= 0) return id_or_status;
+  const Failure failure = last_failure();
+  if (failure.error_number != 0) throw_write_error(path_, failure.error_number);
+  throw Error({.file = path_, .expected = "to write HDF5", .found = failure.message},
+              ErrorKind::resource);
+}
+
+void NewFile::create() {
+  const Guard guard;
+  file_ =
+      Id(check(H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT)), H5Fclose);
+}
+
+void NewFile::write_attribute(const char* name, hid_t type, const std::vector<double>* values,
+                              const void* data) {
+  const hsize_t count = values == nullptr ? 1 : values->size();
+  const Id space(
+      check(values == nullptr ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &count, nullptr)),
+      H5Sclose);
+  const Id attribute(
+      check(H5Acreate2(file_.get(), name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT)), H5Aclose);
+  check(H5Awrite(attribute.get(), type, data));
+}
+
+// Variable-length UTF-8, as h5py writes: its bytes lie in the global heap, so that a long
+// provenance is not bound by the 64 KiB of an object header message.
+void NewFile::write_text(const char* name, const std::string& text) {
+  if (text.empty()) return;
+  const Guard guard;
+  const Id type(check(H5Tcopy(H5T_C_S1)), H5Tclose);
+  check(H5Tset_size(type.get(), H5T_VARIABLE));
+  check(H5Tset_cset(type.get(), H5T_CSET_UTF8));
+  const char* data = text.c_str();
+  write_attribute(name, type.get(), nullptr, &data);
+}
+
+void NewFile::write_number(const char* name, double value) {
+  const Guard guard;
+  write_attribute(name, H5T_NATIVE_DOUBLE, nullptr, &value);
+}
+
+void NewFile::write_int(const char* name, int value) {
+  const Guard guard;
+  write_attribute(name, H5T_NATIVE_INT32, nullptr, &value);
+}
+
+void NewFile::write_u64(const char* name, std::uint64_t value) {
+  const Guard guard;
+  write_attribute(name, H5T_NATIVE_UINT64, nullptr, &value);
+}
+
+void NewFile::write_numbers(const char* name, const std::vector<double>& values) {
+  if (values.empty()) return;
+  const Guard guard;
+  write_attribute(name, H5T_NATIVE_DOUBLE, &values, values.data());
+}
+
+void NewFile::add_dataset(const char* name, hid_t type, const std::vector<hsize_t>& shape,
+                          const void* data) {
+  const Guard guard;
+  const Id plist(check(H5Pcreate(H5P_DATASET_CREATE)), H5Pclose);
+  check(H5Pset_alloc_time(plist.get(), H5D_ALLOC_TIME_EARLY));
+  check(H5Pset_fill_time(plist.get(), H5D_FILL_TIME_NEVER));
+  const Id space(check(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr)),
+                 H5Sclose);
+  const Id dataset(check(H5Dcreate2(file_.get(), name, type, space.get(), H5P_DEFAULT, plist.get(),
+                                    H5P_DEFAULT)),
+                   H5Dclose);
+  const haddr_t address = H5Dget_offset(dataset.get());
+  PARIAN_CHECK(address != HADDR_UNDEF);
+  std::size_t bytes = H5Tget_size(type);
+  for (const hsize_t size : shape) bytes *= static_cast<std::size_t>(size);
+  pending_.push_back({address, data, bytes});
+}
+
+Id NewFile::add_chunked(const char* name, const std::vector<hsize_t>& shape,
+                        const std::vector<hsize_t>& chunk, int deflate) {
+  const Guard guard;
+  const int rank = static_cast<int>(shape.size());
+  const float fill = std::numeric_limits<float>::quiet_NaN();
+  const Id plist(check(H5Pcreate(H5P_DATASET_CREATE)), H5Pclose);
+  check(H5Pset_chunk(plist.get(), rank, chunk.data()));
+  check(H5Pset_fill_value(plist.get(), H5T_NATIVE_FLOAT, &fill));
+  check(H5Pset_fill_time(plist.get(), H5D_FILL_TIME_NEVER));
+  if (deflate > 0) {
+    check(H5Pset_shuffle(plist.get()));
+    check(H5Pset_deflate(plist.get(), static_cast<unsigned>(deflate)));
+  } else {
+    check(H5Pset_alloc_time(plist.get(), H5D_ALLOC_TIME_EARLY));
+  }
+  // Chunks are written whole and once: caching them would only copy them.
+  const Id access(check(H5Pcreate(H5P_DATASET_ACCESS)), H5Pclose);
+  check(H5Pset_chunk_cache(access.get(), 0, 0, 1));
+  const Id space(check(H5Screate_simple(rank, shape.data(), nullptr)), H5Sclose);
+  return Id(check(H5Dcreate2(file_.get(), name, H5T_IEEE_F32LE, space.get(), H5P_DEFAULT,
+                             plist.get(), access.get())),
+            H5Dclose);
+}
+
+void NewFile::close_hdf5() {
+  {
+    const Guard guard;
+    // A flush that fails leaves the file open and whole in memory; a close that fails does not.
+    check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
+    if (!file_.close()) check(-1);
+  }
+  const RawFile raw(temporary_, RawFile::Mode::write, path_);
+  raw.reserve(raw.size());
+  for (const PendingValues& values : pending_) raw.write(values.address, values.data, values.bytes);
+}
+
+void NewFile::commit() {
+  commit_file(temporary_, path_);
+  committed_ = true;
+}
+
+}  // namespace parian::hdf5

@@ -1,0 +1,26 @@
+// Transforms compiled for AVX2. Only pocketfft itself is: the standard headers come first, with the
+// baseline target, so that no shared inline function needs more than the processor has.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <vector>
+
+#include "math/fft_variants.h"
+
+#define POCKETFFT_NO_MULTITHREADING
+#ifdef PARIAN_FFT_HAS_AVX2
+#pragma GCC push_options
+#pragma GCC target("avx2")
+#define pocketfft pocketfft_avx2
+#define PARIAN_FFT_SPACE fft_avx2
+#include <gemmi/third_party/pocketfft_hdronly.h>
+
+#include "math/fft_kernels.inl"
+#pragma GCC pop_options
+#endif

@@ -1,0 +1,37 @@
+"""Ctrl-C in the middle: the old output stays whole, and nothing else is left behind."""
+
+import signal
+import time
+
+import program
+
+
+class Cancel(program.ProgramTest):
+    def interrupt(self, *arguments):
+        """Interrupts the work as soon as it has begun to write or read for a moment."""
+        process = self.start(*arguments)
+        time.sleep(0.3)
+        self.assertIsNone(process.poll(), "the work was over before it could be interrupted")
+        process.send_signal(signal.SIGINT)
+        output, errors = process.communicate(timeout=60)
+        self.assertEqual((process.returncode, output, errors), (1, "", "parian: error: cancelled\n"))
+
+    def test_simulate(self):
+        self.write_json("sample.json", program.sample(256, 256, 40))
+        (self.folder / "table.h5").write_text("old")
+        self.interrupt("simulate", "sample.json", "-o", "table.h5", "--threads", "1")
+        self.assertEqual(self.read_bytes("table.h5"), b"old")
+        self.assertEqual(self.names(), ["sample.json", "table.h5"])
+
+    def test_fit(self):
+        self.write_json("sample.json", program.sample(160, 160, 12))
+        self.succeed("simulate", "sample.json", "-o", "table.h5")
+        (self.folder / "map.h5").write_text("old")
+        self.interrupt("fit", "table.h5", "-o", "map.h5", "--threads", "1", "--lambda", "0",
+                       "--tolerance", "1e-14", "--max-iterations", "100000")
+        self.assertEqual(self.read_bytes("map.h5"), b"old")
+        self.assertEqual(self.names(), ["map.h5", "sample.json", "table.h5"])
+
+
+if __name__ == "__main__":
+    program.main()
