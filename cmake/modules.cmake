@@ -3,7 +3,7 @@
 # Flags that every target of ours is compiled with.
 add_library(parian_flags INTERFACE)
 target_compile_features(parian_flags INTERFACE cxx_std_20)
-target_compile_options(parian_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wno-unused-parameter -Wno-missing-field-initializers -ffp-contract=off)
+target_compile_options(parian_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wno-unused-parameter -Wno-missing-field-initializers -ffp-contract=off -fno-trapping-math -fno-math-errno)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(parian_flags INTERFACE -march=x86-64-v2)
 endif()

@@ -117,8 +117,9 @@ TEST(Layout, BadDescriptionsAreNamed) {
   EXPECT_EQ(error(object({{"kind", "stnoes"}})),
             "s.json: /layout/kind: expected one of 'uniform', 'chessboard', 'stones', 'veins', "
             "'layers', 'mixing' or 'image', found 'stnoes' (did you mean 'stones'?)");
-  EXPECT_EQ(error(object({{"kind", "chessboard"}, {"tile", 3}})),
-            "s.json: /layout/tile: expected a known key, found 'tile' (did you mean 'tile_mm'?)");
+  EXPECT_EQ(
+      error(object({{"kind", "chessboard"}, {"tilemm", 3}})),
+      "s.json: /layout/tilemm: expected a known key, found 'tilemm' (did you mean 'tile_mm'?)");
   EXPECT_EQ(error(object({{"kind", "chessboard"}, {"tile_mm", 0}})),
             "s.json: /layout/tile_mm: expected a value in [0.0001, 1000], found 0");
   EXPECT_EQ(error(object({{"kind", "mixing"}, {"shares", array({1.0})}})),

@@ -5,7 +5,7 @@
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(PARIAN_NO_CLONES)
-#define PARIAN_HOT __attribute__((target_clones("default", "avx2", "avx512f"), optimize("O3")))
+#define PARIAN_HOT __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
 #define PARIAN_HOT
 #endif

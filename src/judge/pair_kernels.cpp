@@ -1,7 +1,9 @@
 #include "judge/pair_kernels.h"
 
+#include <algorithm>
 #include <cfloat>
 #include <cmath>
+#include <utility>
 
 #include "base/hot.h"
 
@@ -50,6 +52,29 @@ PARIAN_HOT void add_values(const double* PARIAN_RESTRICT values, std::size_t cou
 PARIAN_HOT void add_lit(const double* PARIAN_RESTRICT values, const float* PARIAN_RESTRICT light,
                         std::size_t count, double* PARIAN_RESTRICT sum) {
   for (std::size_t i = 0; i < count; ++i) sum[i] += values[i] * static_cast<double>(light[i]);
+}
+
+LightPlane make_light_plane(std::vector<float> values, std::size_t width) {
+  LightPlane plane{width, std::move(values), {}, {}};
+  for (std::size_t row = 0; row < plane.values.size(); row += width) {
+    const float* light = plane.values.data() + row;
+    std::size_t begin = 0, end = width;
+    while (end > 0 && light[end - 1] == 0) --end;
+    while (begin < end && light[begin] == 0) ++begin;
+    plane.begin.push_back(begin);
+    plane.end.push_back(end);
+  }
+  return plane;
+}
+
+void add_lit(const double* values, const LightPlane& light, std::size_t lit_from, std::size_t count,
+             double* sum) {
+  const std::size_t row = lit_from / light.width, x = lit_from % light.width;
+  const std::size_t begin = std::max(x, light.begin[row]);
+  const std::size_t end = std::min(x + count, light.end[row]);
+  if (begin >= end) return;
+  add_lit(values + (begin - x), &light.values[lit_from + (begin - x)], end - begin,
+          sum + (begin - x));
 }
 
 PARIAN_HOT std::size_t make_ratios(const float* PARIAN_RESTRICT data,

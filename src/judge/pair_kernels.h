@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 namespace parian {
 
@@ -25,6 +26,17 @@ void add_errors(const double* data, const double* model, std::size_t count, doub
 void add_values(const double* values, std::size_t count, double* sum);
 // sum += value * light
 void add_lit(const double* values, const float* light, std::size_t count, double* sum);
+
+// Irradiance of one channel, and in each row the span outside of which it is 0.
+struct LightPlane {
+  std::size_t width = 0;
+  std::vector<float> values;
+  std::vector<std::size_t> begin, end;  // columns
+};
+LightPlane make_light_plane(std::vector<float> values, std::size_t width);
+// The same for pixels of one row of the plane, from index `lit_from` on; dark ones cost nothing.
+void add_lit(const double* values, const LightPlane& light, std::size_t lit_from, std::size_t count,
+             double* sum);
 
 // model / data where both have a value and data > floor (>= 0), with neither below the smallest
 // normal float; 1 elsewhere. Returns the number of ratios.

@@ -43,9 +43,8 @@ void light_run(const Run& run, const RowBuffers& buffers, PairSums& sums) {
       add_values(buffers.data.data(), run.count, data);
       add_values(buffers.model.data(), run.count, model);
     } else {
-      const float* light = &sums.irradiance[l].values[run.lit_from];
-      add_lit(buffers.data.data(), light, run.count, data);
-      add_lit(buffers.model.data(), light, run.count, model);
+      add_lit(buffers.data.data(), sums.irradiance[l], run.lit_from, run.count, data);
+      add_lit(buffers.model.data(), sums.irradiance[l], run.lit_from, run.count, model);
     }
   }
 }
@@ -61,21 +60,30 @@ void log_run(const Run& run, double floor, double weight, RowBuffers& buffers, s
 }
 
 // The run with NaN where a pair is not held out.
-Run keep_held(const PairSums& sums, Run run, Offset offset, RowBuffers& buffers) {
-  const std::size_t width = static_cast<std::size_t>(sums.header.width);
-  const int x = static_cast<int>(run.first % width), y = static_cast<int>(run.first / width);
+Run keep_held(const PairSums& sums, Run run, int slice, RowBuffers& buffers) {
+  const unsigned char* mask =
+      &sums.held_masks[static_cast<std::size_t>(slice) * sums.header.pixels() + run.first];
   for (std::size_t i = 0; i < run.count; ++i)
-    buffers.held[i] = is_held_out(sums.hold_out, x + static_cast<int>(i), y, offset)
-                          ? run.data[i]
-                          : std::numeric_limits<float>::quiet_NaN();
+    buffers.held[i] = mask[i] ? run.data[i] : std::numeric_limits<float>::quiet_NaN();
   run.data = buffers.held.data();
   return run;
 }
 
+void mark_held(PairSums& sums, const SliceBatch& batch) {
+  const TableHeader& header = sums.header;
+  sums.held_masks.resize(static_cast<std::size_t>(batch.count) * header.pixels());
+  parallel_for(static_cast<std::size_t>(batch.count), [&](std::size_t i) {
+    const Offset offset = header.offsets[static_cast<std::size_t>(batch.first) + i];
+    unsigned char* mask = &sums.held_masks[i * header.pixels()];
+    for (int y = 0; y < header.height; ++y)
+      for (int x = 0; x < header.width; ++x)
+        *mask++ = is_held_out(sums.hold_out, x, y, offset) ? 1 : 0;
+  });
+}
+
 // Pairs whose x is in this row.
-void add_front(PairSums& sums, const Run& run, Offset offset, double floor, std::size_t row,
-               RowBuffers& buffers) {
-  const double weight = offset == Offset{} ? 1 : 2;
+void add_front(PairSums& sums, const Run& run, int slice, double weight, double floor,
+               std::size_t row, RowBuffers& buffers) {
   const auto add = [&](const Run& part, ErrorSums& errors) {
     const PairCounts counts = add_run(part, buffers, errors);
     errors.counts[row].compared += counts.compared;
@@ -84,15 +92,14 @@ void add_front(PairSums& sums, const Run& run, Offset offset, double floor, std:
   };
   add(run, sums.all);
   light_run(run, buffers, sums);
-  if (sums.hold_out.fraction > 0) add(keep_held(sums, run, offset, buffers), sums.held);
+  if (sums.hold_out.fraction > 0) add(keep_held(sums, run, slice, buffers), sums.held);
 }
 
 // Pairs whose x + d is in this row, d != 0.
-void add_back(PairSums& sums, const Run& run, Offset offset, RowBuffers& buffers) {
+void add_back(PairSums& sums, const Run& run, int slice, RowBuffers& buffers) {
   add_run(run, buffers, sums.all);
   if (sums.header.symmetric) light_run(run, buffers, sums);
-  if (sums.hold_out.fraction > 0)
-    add_run(keep_held(sums, run, offset, buffers), buffers, sums.held);
+  if (sums.hold_out.fraction > 0) add_run(keep_held(sums, run, slice, buffers), buffers, sums.held);
 }
 
 void add_row(PairSums& sums, const SliceBatch& batch, int y, RowBuffers& buffers) {
@@ -110,12 +117,12 @@ void add_row(PairSums& sums, const SliceBatch& batch, int y, RowBuffers& buffers
           sums,
           {data + pairs.back_at, model + pairs.back_at, static_cast<std::size_t>(pairs.back_count),
            pairs.back_at, pairs.back_partner, pairs.back_at},
-          offset, buffers);
+          i, buffers);
     if (pairs.count > 0)
       add_front(sums,
                 {data + pairs.at, model + pairs.at, static_cast<std::size_t>(pairs.count), pairs.at,
                  pairs.at, pairs.partner},
-                offset, floor, static_cast<std::size_t>(y), buffers);
+                i, offset == Offset{} ? 1 : 2, floor, static_cast<std::size_t>(y), buffers);
   }
 }
 
@@ -147,10 +154,13 @@ PairSums::PairSums(const TableHeader& table_header, const HoldOut& kept_out)
       held(hold_out.fraction > 0 ? header.pixels() : 0, static_cast<std::size_t>(header.height)),
       lit(header.pixels()) {
   for (std::size_t l = 0; l < flat_lights.size(); ++l)
-    irradiance[l] = make_flat_light(flat_lights[l], header.width, header.height, 1);
+    irradiance[l] =
+        make_light_plane(make_flat_light(flat_lights[l], header.width, header.height, 1).values,
+                         static_cast<std::size_t>(header.width));
 }
 
 void add_batch(PairSums& sums, const SliceBatch& batch) {
+  if (sums.hold_out.fraction > 0) mark_held(sums, batch);
   parallel_for(static_cast<std::size_t>(sums.header.height), [&](std::size_t y) {
     RowBuffers buffers(static_cast<std::size_t>(sums.header.width));
     add_row(sums, batch, static_cast<int>(y), buffers);

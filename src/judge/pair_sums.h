@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "image/image.h"
 #include "judge/pair_kernels.h"
 #include "judge/relight.h"
 #include "judge/slice_batches.h"
@@ -37,9 +36,10 @@ struct PairSums {
   PairSums(const TableHeader& header, const HoldOut& hold_out);
   const TableHeader& header;
   const HoldOut& hold_out;
-  std::array<Image, flat_lights.size()> irradiance;  // 1 channel
+  std::array<LightPlane, flat_lights.size()> irradiance;
   ErrorSums all, held;
   LitSums lit;
+  std::vector<unsigned char> held_masks;  // of a batch: [slice][y][x], 1 where held out
 };
 
 // Adds the slices of a batch (source 0 the table, 1 the model), in parallel over rows.

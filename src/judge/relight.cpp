@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -15,7 +16,7 @@ namespace {
 
 // One channel of each light as a plane, and what leaves.
 struct LightPlanes {
-  std::vector<std::vector<float>> irradiance;
+  std::vector<LightPlane> irradiance;
   std::vector<std::vector<double>> sums;
 };
 
@@ -42,8 +43,11 @@ void set_channel(const std::vector<Image>& lights, int channel, LightPlanes& pla
   for (std::size_t l = 0; l < lights.size(); ++l) {
     const std::size_t stride = static_cast<std::size_t>(lights[l].channels);
     const std::size_t first = stride == 1 ? 0 : static_cast<std::size_t>(channel);
-    for (std::size_t i = 0; i < planes.irradiance[l].size(); ++i)
-      planes.irradiance[l][i] = lights[l].values[i * stride + first];
+    std::vector<float> values(planes.sums[l].size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = lights[l].values[i * stride + first];
+    planes.irradiance[l] =
+        make_light_plane(std::move(values), static_cast<std::size_t>(lights[l].width));
     std::fill(planes.sums[l].begin(), planes.sums[l].end(), 0.0);
   }
 }
@@ -54,7 +58,7 @@ void add_row(const TableHeader& header, const SliceBatch& batch, int y, LightPla
   const auto add = [&](const float* values, int count, std::size_t to, std::size_t lit_from) {
     widen_measured(values, static_cast<std::size_t>(count), wide.data());
     for (std::size_t l = 0; l < planes.sums.size(); ++l)
-      add_lit(wide.data(), &planes.irradiance[l][lit_from], static_cast<std::size_t>(count),
+      add_lit(wide.data(), planes.irradiance[l], lit_from, static_cast<std::size_t>(count),
               &planes.sums[l][to]);
   };
   for (int i = 0; i < batch.count; ++i) {
@@ -98,7 +102,7 @@ std::vector<Image> relight(const SliceSource& table, const std::vector<Image>& i
   const TableHeader& header = table.header();
   check_lights(header, irradiance);
   LightPlanes planes;
-  planes.irradiance.assign(irradiance.size(), std::vector<float>(header.pixels()));
+  planes.irradiance.resize(irradiance.size());
   planes.sums.assign(irradiance.size(), std::vector<double>(header.pixels()));
   std::vector<Image> exitance(irradiance.size(),
                               make_image(header.width, header.height, header.channels));

@@ -17,10 +17,18 @@
 #ifdef PARIAN_FFT_HAS_AVX2
 #pragma GCC push_options
 #pragma GCC target("avx2")
+// GCC 12 does not define this after the pragma; pocketfft takes its vector width from it.
+#ifndef __AVX__
+#define __AVX__ 1
+#define PARIAN_UNDEFINE_AVX
+#endif
 #define pocketfft pocketfft_avx2
 #define PARIAN_FFT_SPACE fft_avx2
 #include <gemmi/third_party/pocketfft_hdronly.h>
 
 #include "math/fft_kernels.inl"
+#ifdef PARIAN_UNDEFINE_AVX
+#undef __AVX__
+#endif
 #pragma GCC pop_options
 #endif

@@ -3,16 +3,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
 #include "app/cli/command.h"
 #include "app/cli/inputs.h"
 #include "app/cli/output.h"
-#include "app/report/false_color.h"
+#include "app/report/pictures.h"
 #include "base/error.h"
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
+#include "judge/false_color.h"
 
 namespace parian {
 namespace {
@@ -74,9 +76,12 @@ bool is_linear(const std::string& path) {
 // PNG and JPEG show false colours, EXR and HDR hold the relative errors themselves.
 void save_error_image(const CompareOptions& options, const Image& errors) {
   if (options.error_image.empty()) return;
-  save_image(options.error_image, is_linear(options.error_image)
-                                      ? errors
-                                      : draw_false_color(errors, options.error_scale));
+  const double top = options.error_scale > 0 ? options.error_scale : largest_value(errors);
+  const int magnification = std::max(1, (320 + errors.width - 1) / errors.width);
+  save_image(options.error_image,
+             is_linear(options.error_image)
+                 ? errors
+                 : draw_color_map(errors, top, magnification, "relative error per pixel"));
 }
 
 void save_plots(const CompareOptions& options, const SliceSource& table, const Surface& model,
@@ -105,6 +110,7 @@ void compare_files(const CompareOptions& options, const Context& context) {
   const std::unique_ptr<SliceSource> table = open_table(options.table);
   const Surface model = open_surface(options.material, &table->header());
   std::vector<PlotPixel> pixels;
+  pixels.reserve(options.plots.size());
   for (const std::string& text : options.plots)
     pixels.push_back(parse_pixel(text, table->header()));
   const HoldOut hold_out = model.map() ? model.map()->hold_out : HoldOut{};

@@ -33,7 +33,7 @@ ParamList describe(RelightOptions& options) {
 
 // An image as irradiance; grey light is that of all channels.
 Image load_light(const std::string& path, const TableHeader& header) {
-  const Image light = load_image(path);
+  Image light = load_image(path);
   if (light.width != header.width || light.height != header.height)
     throw Error({path, "size",
                  fmt::format("{} x {} pixels, as the sample", header.width, header.height),

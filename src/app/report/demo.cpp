@@ -46,7 +46,7 @@ std::string write_page(const std::string& folder, const std::vector<PipelineSamp
   body += html_table(tabulate(samples, results));
   for (std::size_t i = 0; i < samples.size(); ++i)
     body += describe_pipeline(samples[i], results[i]);
-  const std::string path = folder + "/index.html";
+  std::string path = folder + "/index.html";
   write_text(path, html_page("Parian: from a table to fitted profiles", body));
   return path;
 }
@@ -79,6 +79,7 @@ std::string make_demo(const std::string& data, const std::string& folder,
            describe_table_size(stone),
        "", stone, folder}};
   std::vector<PipelineResult> results;
+  results.reserve(samples.size());
   for (const PipelineSample& sample : samples) results.push_back(run_pipeline(sample, progress));
   return write_page(folder, samples, results);
 }

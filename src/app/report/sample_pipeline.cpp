@@ -8,12 +8,13 @@
 #include <filesystem>
 #include <memory>
 
-#include "app/report/false_color.h"
 #include "app/report/html.h"
+#include "app/report/pictures.h"
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
 #include "io/json/json.h"
+#include "judge/false_color.h"
 #include "judge/relight.h"
 #include "material/material.h"
 
@@ -61,6 +62,11 @@ void save_plots(const PipelineSample& sample, const SliceSource& table, const Sl
       plot_profiles(table, model, &map, pixels, table.header().channels / 2);
   for (std::size_t i = 0; i < plots.size(); ++i)
     save_image(path_of(sample, fmt::format("profile-{}.png", i + 1)), plots[i]);
+}
+
+Image draw_errors(const Image& errors) {
+  const int magnification = std::max(1, (320 + errors.width - 1) / errors.width);
+  return draw_color_map(errors, largest_value(errors), magnification, "relative error per pixel");
 }
 
 std::string percent(double value) {
@@ -112,7 +118,7 @@ PipelineResult run_pipeline(const PipelineSample& sample, const Progress& progre
   result.errors = compare(*table, *model, map.hold_out, progress);
   result.errors.bytes_material = std::filesystem::file_size(map_path);
   save_document(path_of(sample, "errors.json"), to_document(result.errors));
-  save_enlarged(path_of(sample, "errors.png"), draw_false_color(result.errors.error_image));
+  save_image(path_of(sample, "errors.png"), draw_errors(result.errors.error_image));
   result.light_gains = save_relit(sample, *table, *model, progress);
   result.plotted = {{map.width / 4, map.height / 4},
                     {map.width / 2, map.height / 2},
@@ -149,11 +155,10 @@ std::string describe_pipeline(const PipelineSample& sample, const PipelineResult
       "Measured values and the model's at the same pairs of points, and the profile of the point "
       "itself, over distance:");
   text += html_figures(plots, static_cast<int>(plots.size()));
-  text += html_figures({{sample.name + "-errors.png",
-                         fmt::format("Relative error per pixel, black 0 to pale yellow {} "
-                                     "(mean {}).",
-                                     percent(errors.max), percent(errors.mean))}},
-                       3);
+  text += html_figures(
+      {{sample.name + "-errors.png", fmt::format("Relative error per pixel: mean {}, largest {}.",
+                                                 percent(errors.mean), percent(errors.max))}},
+      3);
   return text +
          html_paragraph("The same from the command line (the page's pictures are enlarged):") +
          html_code(commands_of(sample, result));

@@ -10,6 +10,7 @@
 #include "base/check.h"
 #include "base/error.h"
 #include "io/image/exr.h"
+#include "io/image/hdr.h"
 #include "io/image/image_limits.h"
 #include "io/image/stb.h"
 #include "io/json/files.h"

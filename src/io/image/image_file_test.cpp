@@ -151,9 +151,10 @@ TEST_F(ImageFiles, TruncatedFilesAreErrors) {
 TEST_F(ImageFiles, SizesAreCheckedBeforeDecoding) {
   save_image(at_path("a.png"), make_noise(2, 2, 1, 1));
   std::string bytes = read_file(at_path("a.png"), 9999);
-  const auto set_size = [&](char high, char low) {
+  const auto set_size = [&](int high, int low) {
     for (const std::size_t i : {16u, 20u})
-      bytes[i] = 0, bytes[i + 1] = 0, bytes[i + 2] = high, bytes[i + 3] = low;
+      bytes[i] = 0, bytes[i + 1] = 0, bytes[i + 2] = static_cast<char>(high),
+      bytes[i + 3] = static_cast<char>(low);
     write_text(at_path("b.png"), bytes);
   };
   set_size(0x75, 0x30);

@@ -7,7 +7,8 @@
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
-#define STBI_ONLY_HDR
+#define STBI_NO_HDR
+#define STBI_NO_LINEAR
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS (1 << 24)
 #pragma GCC diagnostic push
@@ -79,8 +80,6 @@ void append(void* text, void* data, int count) {
 Image decode_png_or_jpeg(const std::string& bytes, const std::string& path) {
   const char* kind = "PNG or JPEG";
   const int count = static_cast<int>(bytes.size());
-  if (stbi_is_hdr_from_memory(data_of(bytes), count) != 0)
-    throw Error({.file = path, .expected = "a PNG or JPEG image", .found = "a Radiance HDR image"});
   const Size size = read_size(bytes, path, kind);
   Size found;
   if (stbi_is_16_bit_from_memory(data_of(bytes), count) != 0)
@@ -94,18 +93,6 @@ Image decode_png_or_jpeg(const std::string& bytes, const std::string& path) {
   return decode(stbi_load_from_memory(data_of(bytes), count, &found.width, &found.height,
                                       &found.channels, size.channels),
                 size, path, kind, [&](stbi_uc value) { return curve[value]; });
-}
-
-Image decode_hdr(const std::string& bytes, const std::string& path) {
-  const char* kind = "Radiance HDR";
-  const int count = static_cast<int>(bytes.size());
-  if (stbi_is_hdr_from_memory(data_of(bytes), count) == 0)
-    throw Error({.file = path, .expected = "a Radiance HDR image", .found = "something else"});
-  const Size size = read_size(bytes, path, kind);
-  Size found;
-  return decode(stbi_loadf_from_memory(data_of(bytes), count, &found.width, &found.height,
-                                       &found.channels, size.channels),
-                size, path, kind, [](float value) { return value; });
 }
 
 std::string encode_png(const Image& image) {

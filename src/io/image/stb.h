@@ -1,5 +1,5 @@
-// PNG, JPEG and Radiance HDR through stb, whose implementation is compiled in stb.cpp alone.
-// Internal to this folder.
+// PNG and JPEG, and writing Radiance HDR, through stb, whose implementation is compiled in stb.cpp
+// alone. Internal to this folder.
 #pragma once
 
 #include <string>
@@ -10,7 +10,6 @@ namespace parian {
 
 // 8 and 16 bit, sRGB-encoded.
 Image decode_png_or_jpeg(const std::string& bytes, const std::string& path);
-Image decode_hdr(const std::string& bytes, const std::string& path);
 std::string encode_png(const Image& image);
 std::string encode_hdr(const Image& image);
 

@@ -42,7 +42,7 @@ TEST(Json, SyntaxErrorsNameLineAndColumn) {
   EXPECT_EQ(error_of("[1] 2"),
             "a.json: line 1, column 5: expected end of input, found number literal");
   EXPECT_EQ(error_of("[NaN]"),
-            "a.json: line 1, column 2: expected '[', '{', or a literal, found invalid literal");
+            "a.json: line 1, column 2: expected valid JSON, found invalid literal");
   EXPECT_EQ(error_of("[1e999]"),
             "a.json: line 1, column 6: expected a number that fits a double, found 1e999");
 }
