@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t frequency_block = 256;
 // Relative to the diagonal: keeps the factors finite where no offset sees a knot (algorithms: the
-// (pi, pi) mode). Only the preconditioner has it.
-constexpr double ridge = 1e-7;
+// (pi, pi) mode), and well above single-precision rounding. Only the preconditioner has it.
+constexpr double ridge = 1e-5;
 
 // here -= l1 back1 + l2 back2 (complex values, real factors)
 PARIAN_HOT void eliminate(float* PARIAN_RESTRICT here, const float* PARIAN_RESTRICT back1,

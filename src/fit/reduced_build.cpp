@@ -362,8 +362,8 @@ std::vector<std::uint32_t> stream(const SliceSource& table, const ReducedParams&
   add_up(build);
   if (system.pair_weight == PairWeight::energy && params.weights.empty())
     normalise_energy_weights(system);
-  if (build.listed >= missing_per_unknown * system.unknowns()) {
-    system.restream = &table;
+  if (build.listed >= missing_per_unknown * system.unknowns()) system.restream = &table;
+  if (system.restream != nullptr) {  // products see what is missing when they read the table
     for (auto& list : system.missing) list = {};
   }
   return never_seen(build);

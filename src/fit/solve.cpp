@@ -106,6 +106,13 @@ int conjugate_gradient(Solver& s, double gain, int max_iterations) {
   return iteration;
 }
 
+// p += factor x
+void add_step(const Solver& solver, double factor, std::vector<double>& p) {
+  parallel_for_blocks(p.size(), block, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) p[i] += factor * static_cast<double>(solver.x[i]);
+  });
+}
+
 }  // namespace
 
 std::vector<double> make_mean_start(const ReducedSystem& system) {
@@ -172,7 +179,7 @@ SolveReport solve_reduced(const ReducedSystem& system, const Hessian& hessian,
   const std::vector<double>& b = system.right_hand_side;
   const double norm_b = norm(b);
   SolveReport report;
-  double last = 0;
+  double last = 0, last_energy = 0, step = 0;
   for (int round = 0;; ++round) {
     apply_hessian(system, hessian, p.data(), residual.data(), solver.workspace);
     report.energy = eval_energy(system, p.data(), residual.data());
@@ -181,11 +188,19 @@ SolveReport solve_reduced(const ReducedSystem& system, const Hessian& hessian,
     });
     const double norm_r = norm(residual);
     report.relative_residual = norm_b > 0 ? norm_r / norm_b : 0;
+    if (round > 0 && !(report.relative_residual < last)) {  // rounding undid the last step
+      add_step(solver, -step, p);
+      report.relative_residual = last;
+      report.energy = last_energy;
+      break;
+    }
     const bool stalled = round > 0 && report.relative_residual > 0.5 * last;
     if (report.relative_residual <= params.tolerance || stalled ||
         report.iterations >= params.max_iterations)
       break;
     last = report.relative_residual;
+    last_energy = report.energy;
+    step = norm_r;
     // The residual is scaled to norm 1, so that nothing underflows in single precision.
     parallel_for_blocks(n, block, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
@@ -196,9 +211,7 @@ SolveReport solve_reduced(const ReducedSystem& system, const Hessian& hessian,
         std::clamp(0.9 * params.tolerance / report.relative_residual, largest_gain, 0.5);
     report.iterations +=
         conjugate_gradient(solver, gain, params.max_iterations - report.iterations);
-    parallel_for_blocks(n, block, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) p[i] += norm_r * static_cast<double>(solver.x[i]);
-    });
+    add_step(solver, step, p);
   }
   return report;
 }

@@ -29,7 +29,7 @@ double eval_dipole(const DipoleCoefficients& medium, double eta, double r_mm);
 // 2 pi int R_d r dr = (alpha'/2) (1 + e^{-4/3 A s}) e^{-s}, s = sqrt(3 (1 - alpha')).
 double dipole_albedo(const DipoleCoefficients& medium, double eta);
 
-// Measured homogeneous materials shipped with Parian (data/materials.json lists the sources).
+// Measured homogeneous materials shipped with Parian (docs/samples.md names the sources).
 struct NamedMaterial {
   std::string name;
   std::string source;

@@ -75,7 +75,7 @@ TEST(Dipole, UnitsScale) {
 
 // Table 1 of Jensen et al. 2001 also prints the diffuse reflectance of each row: the coefficients
 // reproduce it, which decides between copies of the table that disagree (Chicken1 with sigma_a =
-// 0.0015 would give 0.73, Marble at eta = 1.3 0.87). Chicken1's blue is the one row that does not.
+// 0.0015 would give 0.65, Marble at eta = 1.3 0.87). Chicken1's blue is the one row that does not.
 TEST(NamedMaterials, ReproduceThePublishedDiffuseReflectance) {
   const struct {
     const char* name;

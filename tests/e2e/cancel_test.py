@@ -7,19 +7,26 @@ import program
 
 
 class Cancel(program.ProgramTest):
-    def interrupt(self, *arguments):
-        """Interrupts the work as soon as it has begun to write or read for a moment."""
+    def interrupt(self, has_begun, *arguments):
+        """Interrupts the work once it has begun."""
         process = self.start(*arguments)
-        time.sleep(0.3)
+        while process.poll() is None and not has_begun(process):
+            time.sleep(0.01)
         self.assertIsNone(process.poll(), "the work was over before it could be interrupted")
         process.send_signal(signal.SIGINT)
         output, errors = process.communicate(timeout=60)
         self.assertEqual((process.returncode, output, errors), (1, "", "parian: error: cancelled\n"))
 
+    @staticmethod
+    def has_read_values(process):
+        """Whether it has read more than the program itself and a table's header."""
+        with open(f"/proc/{process.pid}/io") as file:
+            return int(file.readline().split()[1]) > 3_000_000
+
     def test_simulate(self):
         self.write_json("sample.json", program.sample(256, 256, 40))
         (self.folder / "table.h5").write_text("old")
-        self.interrupt("simulate", "sample.json", "-o", "table.h5", "--threads", "1")
+        self.interrupt(lambda process: len(self.names()) == 3, "simulate", "sample.json", "-o", "table.h5", "--threads", "1")
         self.assertEqual(self.read_bytes("table.h5"), b"old")
         self.assertEqual(self.names(), ["sample.json", "table.h5"])
 
@@ -27,7 +34,7 @@ class Cancel(program.ProgramTest):
         self.write_json("sample.json", program.sample(160, 160, 12))
         self.succeed("simulate", "sample.json", "-o", "table.h5")
         (self.folder / "map.h5").write_text("old")
-        self.interrupt("fit", "table.h5", "-o", "map.h5", "--threads", "1", "--lambda", "0",
+        self.interrupt(self.has_read_values, "fit", "table.h5", "-o", "map.h5", "--threads", "1", "--lambda", "0",
                        "--tolerance", "1e-14", "--max-iterations", "100000")
         self.assertEqual(self.read_bytes("map.h5"), b"old")
         self.assertEqual(self.names(), ["map.h5", "sample.json", "table.h5"])

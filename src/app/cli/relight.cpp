@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 #include "app/cli/command.h"
@@ -47,7 +48,9 @@ Image make_light(const std::string& name, const TableHeader& header) {
     if (name == names[i])
       return make_flat_light(static_cast<FlatLight>(i), header.width, header.height,
                              header.channels);
-  if (find_file_kind(name) == FileKind::image) return load_light(name, header);
+  const std::filesystem::path path = name;
+  if (path.has_extension() && find_file_kind(name) == FileKind::image)
+    return load_light(name, header);
   const std::string nearest = nearest_name(name, names);
   throw Error({{},
                "--light",
