@@ -269,7 +269,8 @@ TEST(Solve, AgreesWithADenseFactorisation) {
     std::vector<double> p = make_mean_start(system);
     const SolveReport report =
         solve_reduced(system, hessian, make_preconditioner(system, hessian), {1e-11, 500}, p);
-    // With offsets of one pixel only, a checkerboard on the outer knot changes nothing: H is singular.
+    // With offsets of one pixel only, a checkerboard on the outer knot changes nothing: H is
+    // singular.
     const bool singular = system.offsets.size() == 3;
     EXPECT_LE(report.relative_residual, singular ? 1e-5 : 1e-9) << c.name;
     if (singular) continue;

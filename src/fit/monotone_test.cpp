@@ -1,0 +1,84 @@
+#include "fit/monotone.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/random.h"
+#include "fit/fit_test_tables.h"
+#include "material/profile_map.h"
+
+namespace parian {
+namespace {
+
+double misfit(const std::vector<double>& a, const std::vector<double>& b,
+              const std::vector<double>& w) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += w[i] * (a[i] - b[i]) * (a[i] - b[i]);
+  return sum;
+}
+
+TEST(Monotone, PoolsAreTheBestNonIncreasingFit) {
+  Rng rng = make_rng(1);
+  for (int trial = 0; trial < 200; ++trial) {
+    std::vector<double> values(6), weights(6);
+    for (std::size_t i = 0; i < 6; ++i) {
+      values[i] = sample_normal(rng);
+      weights[i] = 0.1 + sample_uniform(rng);
+    }
+    std::vector<double> fitted = values;
+    const bool changed = make_non_increasing(fitted, weights);
+    EXPECT_EQ(changed, fitted != values);
+    EXPECT_TRUE(std::is_sorted(fitted.rbegin(), fitted.rend()));
+    // No other non-increasing sequence is closer: compare with random ones near the fit.
+    for (int i = 0; i < 50; ++i) {
+      std::vector<double> other = fitted;
+      for (double& v : other) v += 0.1 * sample_normal(rng);
+      std::sort(other.rbegin(), other.rend());
+      EXPECT_GE(misfit(other, values, weights), misfit(fitted, values, weights) - 1e-12);
+    }
+  }
+}
+
+TEST(Monotone, ProjectionKeepsTheIntegralAndSparesFallingProfiles) {
+  const BssrdfTable table = make_test_table(5, 4, 3);
+  const auto source = make_slices(table);
+  ReducedParams params;
+  params.knots_mm = {0, 0.5, 1, 1.5};
+  const ReducedSystem system = make_reduced_system(*source, 0, params);
+  std::vector<double> p(system.unknowns());
+  Rng rng = make_rng(2);
+  for (std::size_t k = 0; k < 4; ++k)
+    for (std::size_t x = 0; x < 20; ++x)
+      p[k * 20 + x] = -static_cast<double>(k) + (x % 2 == 0 ? 0.9 * sample_normal(rng) : 0);
+  const std::vector<double> before = p;
+  const auto integral = [&](const std::vector<double>& q, std::size_t x) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      sum +=
+          segment_integral(0.5 * static_cast<double>(k), 0.5, q[k * 20 + x], q[(k + 1) * 20 + x]);
+    return sum;
+  };
+  const std::size_t touched = project_monotone(system, p);
+  std::size_t changed = 0;
+  for (std::size_t x = 0; x < 20; ++x) {
+    bool same = true;
+    for (std::size_t k = 0; k < 4; ++k) {
+      same = same && p[k * 20 + x] == before[k * 20 + x];
+      if (k > 0) {
+        EXPECT_LE(p[k * 20 + x], p[(k - 1) * 20 + x]);
+      }
+    }
+    EXPECT_NEAR(integral(p, x) / integral(before, x), 1, 1e-12);
+    if (x % 2 == 1) {
+      EXPECT_TRUE(same);
+    }
+    changed += same ? 0 : 1;
+  }
+  EXPECT_EQ(touched, changed);
+  EXPECT_GT(touched, 0u);
+}
+
+}  // namespace
+}  // namespace parian
