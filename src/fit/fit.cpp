@@ -147,8 +147,9 @@ FitResult fit_profiles(const SliceSource& table, const FitParams& params,
           SharedSolver{without_data(system), std::move(hessian), std::move(preconditioner)});
     }
     std::vector<double> p = make_mean_start(system);
-    const SolveReport solved = solve_reduced(system, shared->hessian, shared->preconditioner,
-                                             {params.tolerance, params.max_iterations}, p, part);
+    const SolveReport solved =
+        solve_reduced(system, shared->hessian, shared->preconditioner,
+                      {params.tolerance, params.max_iterations, true}, p, part);
     refuse_bad_solution(table, channel, solved);
     result.report.seconds_solve += watch.lap();
 

@@ -83,10 +83,31 @@ ProductMethod choose_method(const ReducedSystem& system, const FftGrid& grid) {
   return pairs < transforms ? ProductMethod::explicit_ : ProductMethod::fft;
 }
 
+template <typename Real>
+struct Blocks {
+  const Real *diagonal, *coupling;
+};
+template <typename Real>
+Blocks<Real> blocks_of(const Hessian& hessian) {
+  if constexpr (sizeof(Real) == sizeof(float)) {
+    return {hessian.diagonal_single.data(), hessian.coupling_single.data()};
+  } else {
+    return {hessian.diagonal.data(), hessian.coupling.data()};
+  }
+}
+template <typename Real>
+const Real* kernels_of(const Hessian& hessian, std::size_t q) {
+  if constexpr (sizeof(Real) == sizeof(float)) {
+    return hessian.kernels_single[q].data();
+  } else {
+    return hessian.kernels[q].data();
+  }
+}
+
 // In place, for each frequency: the tridiagonal matrix of kernel values times the vector over
 // knots.
 template <typename Real>
-void multiply_frequencies(const double* kernels, std::size_t size, std::size_t knots,
+void multiply_frequencies(const Real* kernels, std::size_t size, std::size_t knots,
                           std::complex<Real>* spectrum, std::size_t begin, std::size_t end) {
   static constexpr Real zeros[2 * frequency_block] = {};
   Real previous[2 * frequency_block];
@@ -97,9 +118,9 @@ void multiply_frequencies(const double* kernels, std::size_t size, std::size_t k
     const bool last = k + 1 == knots;
     const auto* above =
         last ? zeros : reinterpret_cast<const Real*>(spectrum + (k + 1) * size + begin);
-    const double* diagonal = kernels + 2 * k * size + begin;
-    const double* up = last ? diagonal : kernels + (2 * k + 1) * size + begin;
-    const double* down = k == 0 ? diagonal : kernels + (2 * k - 1) * size + begin;
+    const Real* diagonal = kernels + 2 * k * size + begin;
+    const Real* up = last ? diagonal : kernels + (2 * k + 1) * size + begin;
+    const Real* down = k == 0 ? diagonal : kernels + (2 * k - 1) * size + begin;
     multiply_block(here, above, previous, diagonal, up, down, last ? 0 : 1, k == 0 ? 0 : 1, count);
   }
 }
@@ -115,7 +136,47 @@ void multiply_plane(const float* u, const Real* in, Real* out, std::size_t count
   for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<Real>(u[i]) * in[i];
 }
 
-// out (+)= u (K * (u p)) for one weight term.
+// out_k += ((D + lambda^2 L^T L) p)_k; without blocks only the curvature.
+template <typename Real>
+void add_local(const CurvatureBands& bands, const Blocks<Real>& blocks, std::size_t knots,
+               std::size_t pixels, std::size_t k, const Real* p, Real* out) {
+  const bool up = k + 1 < knots, down = k > 0, up2 = k + 2 < knots, down2 = k > 1;
+  LocalRow row;
+  row.c0 = bands.main[k];
+  row.up = up ? bands.first[k] : 0;
+  row.down = down ? bands.first[k - 1] : 0;
+  row.up2 = up2 ? bands.second[k] : 0;
+  row.down2 = down2 ? bands.second[k - 2] : 0;
+  row.use_up = up ? 1 : 0;
+  row.use_down = down ? 1 : 0;
+  const auto plane = [&](bool exists, std::size_t neighbour) {
+    return p + (exists ? neighbour : k) * pixels;  // a plane that does not exist has factor 0
+  };
+  const Real* diagonal = blocks.diagonal + k * pixels;
+  add_local_row(row, diagonal, up ? blocks.coupling + k * pixels : diagonal,
+                down ? blocks.coupling + (k - 1) * pixels : diagonal, plane(true, k),
+                plane(up, k + 1), plane(down, k - 1), plane(up2, k + 2), plane(down2, k - 2),
+                out + k * pixels, pixels);
+}
+
+// out += lambda^2 L^T L p
+template <typename Real>
+void add_curvature(const ReducedSystem& system, const Real* p, Real* out) {
+  const CurvatureBands bands = curvature_bands(system);
+  const std::size_t pixels = system.pixels(), knots = system.knots();
+  parallel_for(knots, [&](std::size_t k) {
+    for (std::size_t l = k > 1 ? k - 2 : 0; l < std::min(knots, k + 3); ++l) {
+      const std::size_t low = std::min(k, l), apart = std::max(k, l) - low;
+      const double value = apart == 0   ? bands.main[low]
+                           : apart == 1 ? bands.first[low]
+                                        : bands.second[low];
+      const auto factor = static_cast<Real>(value);
+      for (std::size_t i = 0; i < pixels; ++i) out[k * pixels + i] += factor * p[l * pixels + i];
+    }
+  });
+}
+
+// out (+)= u (K * (u p)) for one weight term; the last one adds what is local.
 template <typename Real>
 void convolve(const ReducedSystem& system, const Hessian& hessian, std::size_t q, const Real* p,
               Real* out, HessianWorkspace& workspace) {
@@ -130,45 +191,22 @@ void convolve(const ReducedSystem& system, const Hessian& hessian, std::size_t q
     forward_fft(grid, masked.data(), spectrum + k * size);
   });
   parallel_for_blocks(size, frequency_block, [&](std::size_t begin, std::size_t end) {
-    multiply_frequencies(hessian.kernels[q].data(), size, knots, spectrum, begin, end);
+    multiply_frequencies(kernels_of<Real>(hessian, q), size, knots, spectrum, begin, end);
   });
+  const bool last = q + 1 == system.weights.size();
+  const CurvatureBands bands = curvature_bands(system);
   parallel_for(knots, [&](std::size_t k) {
     Real* target = out + k * pixels;
-    if (q == 0 && u.empty()) return inverse_fft(grid, spectrum + k * size, target);
-    std::vector<Real> plane(pixels);
-    inverse_fft(grid, spectrum + k * size, plane.data());
-    if (!u.empty()) multiply_plane(u.data(), plane.data(), plane.data(), pixels);
-    for (std::size_t i = 0; i < pixels; ++i) target[i] = q == 0 ? plane[i] : target[i] + plane[i];
-  });
-}
-
-// out += (D + lambda^2 L^T L) p
-template <typename Real>
-void add_local(const ReducedSystem& system, const Hessian* blocks, const Real* p, Real* out) {
-  const std::size_t pixels = system.pixels(), knots = system.knots();
-  const CurvatureBands bands = curvature_bands(system);
-  const std::vector<double> no_blocks(blocks == nullptr ? pixels : 0);
-  parallel_for(knots, [&](std::size_t k) {
-    LocalRow row;
-    const auto plane = [&](std::size_t neighbour) { return p + neighbour * pixels; };
-    const auto at_or_here = [&](bool exists, std::size_t neighbour) {
-      return exists ? plane(neighbour) : plane(k);
-    };
-    const double* diagonal = blocks != nullptr ? &blocks->diagonal[k * pixels] : no_blocks.data();
-    const bool up = k + 1 < knots, down = k > 0, up2 = k + 2 < knots, down2 = k > 1;
-    row.c0 = bands.main[k];
-    row.up = up ? bands.first[k] : 0;
-    row.down = down ? bands.first[k - 1] : 0;
-    row.up2 = up2 ? bands.second[k] : 0;
-    row.down2 = down2 ? bands.second[k - 2] : 0;
-    row.use_up = up && blocks != nullptr ? 1 : 0;
-    row.use_down = down && blocks != nullptr ? 1 : 0;
-    const double* coupling_up = row.use_up != 0 ? &blocks->coupling[k * pixels] : diagonal;
-    const double* coupling_down =
-        row.use_down != 0 ? &blocks->coupling[(k - 1) * pixels] : diagonal;
-    add_local_row(row, diagonal, coupling_up, coupling_down, plane(k), at_or_here(up, k + 1),
-                  at_or_here(down, k - 1), at_or_here(up2, k + 2), at_or_here(down2, k - 2),
-                  out + k * pixels, pixels);
+    if (q == 0 && u.empty()) {
+      inverse_fft(grid, spectrum + k * size, target);
+    } else {
+      std::vector<Real> plane(pixels);
+      inverse_fft(grid, spectrum + k * size, plane.data());
+      if (!u.empty()) multiply_plane(u.data(), plane.data(), plane.data(), pixels);
+      for (std::size_t i = 0; i < pixels; ++i) target[i] = q == 0 ? plane[i] : target[i] + plane[i];
+    }
+    if (last)
+      add_local(bands, blocks_of<Real>(hessian), knots, pixels, k, p, out);  // while in cache
   });
 }
 
@@ -179,12 +217,11 @@ void apply(const ReducedSystem& system, const Hessian& hessian, const Real* p, R
   if (hessian.method == ProductMethod::explicit_) {
     std::fill_n(out, system.unknowns(), Real(0));
     add_pairs(system, p, out);
-    add_local(system, nullptr, p, out);
+    add_curvature(system, p, out);
     return;
   }
   for (std::size_t q = 0; q < system.weights.size(); ++q)
     convolve(system, hessian, q, p, out, workspace);
-  add_local(system, &hessian, p, out);
   subtract_missing(system, p, out);
 }
 
@@ -220,7 +257,13 @@ Hessian make_hessian(const ReducedSystem& system, ProductMethod method) {
       method == ProductMethod::automatic ? choose_method(system, hessian.grid) : method;
   hessian.diagonal.assign(system.unknowns(), 0.0);
   hessian.coupling.assign(system.unknowns() - system.pixels(), 0.0);
-  for (const WeightTerm& term : system.weights) add_term(system, term, hessian);
+  for (const WeightTerm& term : system.weights) {
+    add_term(system, term, hessian);
+    const std::vector<double>& kernels = hessian.kernels.back();
+    hessian.kernels_single.emplace_back(kernels.begin(), kernels.end());
+  }
+  hessian.diagonal_single.assign(hessian.diagonal.begin(), hessian.diagonal.end());
+  hessian.coupling_single.assign(hessian.coupling.begin(), hessian.coupling.end());
   return hessian;
 }
 
@@ -243,6 +286,23 @@ void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const do
 void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const float* p, float* out,
                    HessianWorkspace& workspace) {
   apply(system, hessian, p, out, workspace);
+}
+
+void apply_hessian_to_constant(const ReducedSystem& system, const Hessian& hessian, const double* p,
+                               double* out) {
+  // Per term C p = u (K * (u p)) = D p for a p that does not depend on x, so H p = 2 D p +
+  // curvature.
+  const std::size_t pixels = system.pixels(), knots = hessian.knots;
+  const CurvatureBands bands = curvature_bands(system);
+  parallel_for(knots, [&](std::size_t k) {
+    double* target = out + k * pixels;
+    std::fill_n(target, pixels, 0.0);
+    add_local(bands, blocks_of<double>(hessian), knots, pixels, k, p, out);
+    CurvatureBands none{std::vector<double>(knots), std::vector<double>(knots),
+                        std::vector<double>(knots)};
+    add_local(none, blocks_of<double>(hessian), knots, pixels, k, p, out);
+  });
+  subtract_missing(system, p, out);
 }
 
 double eval_energy(const ReducedSystem& system, const double* p, const double* product) {

@@ -28,6 +28,9 @@ struct Hessian {
   std::vector<std::vector<double>> kernels;
   std::vector<double> diagonal;  // [k][y][x]: u (K_kk * u), summed over terms
   std::vector<double> coupling;  // [k][y][x]: the same for (k, k+1); knots - 1 planes
+  // The same in single precision, for the products that a solver spends its time in.
+  std::vector<std::vector<float>> kernels_single;
+  std::vector<float> diagonal_single, coupling_single;
 };
 
 Hessian make_hessian(const ReducedSystem& system, ProductMethod method = ProductMethod::automatic);
@@ -45,6 +48,10 @@ void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const do
 void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const float* p, float* out,
                    HessianWorkspace& workspace);
 
+// The same for a p that is equal at all pixels, without a convolution. Not for restreamed systems.
+void apply_hessian_to_constant(const ReducedSystem& system, const Hessian& hessian, const double* p,
+                               double* out);
+
 // E(p), given the product H p.
 double eval_energy(const ReducedSystem& system, const double* p, const double* product);
 double eval_energy(const ReducedSystem& system, const Hessian& hessian, const double* p);
@@ -53,7 +60,8 @@ double eval_energy(const ReducedSystem& system, const Hessian& hessian, const do
 // banded matrix over knots, factored once (L D L^T).
 struct Preconditioner {
   std::vector<float> inverse_diagonal;  // [k][frequency]
-  std::vector<float> lower1, lower2;    // [k][frequency]
+  std::vector<float> lower1;            // [k][frequency]: L(k, k-1)
+  std::vector<float> second;            // [k]: L(k, k-2) = second[k-2] inverse_diagonal[k-2]
 };
 Preconditioner make_preconditioner(const ReducedSystem& system, const Hessian& hessian);
 void apply_preconditioner(const Preconditioner& preconditioner, const Hessian& hessian,

@@ -17,8 +17,8 @@ CurvatureBands curvature_bands(const ReducedSystem& system);
 struct LocalRow {
   double c0 = 0, up = 0, down = 0, up2 = 0, down2 = 0, use_up = 0, use_down = 0;
 };
-void add_local_row(const LocalRow& row, const double* diagonal, const double* coupling_up,
-                   const double* coupling_down, const float* here, const float* up,
+void add_local_row(const LocalRow& row, const float* diagonal, const float* coupling_up,
+                   const float* coupling_down, const float* here, const float* up,
                    const float* down, const float* up2, const float* down2, float* out,
                    std::size_t count);
 void add_local_row(const LocalRow& row, const double* diagonal, const double* coupling_up,
@@ -28,8 +28,8 @@ void add_local_row(const LocalRow& row, const double* diagonal, const double* co
 
 // here <- diagonal here + up above + down previous (complex values, real factors); previous <- old
 // here.
-void multiply_block(float* here, const float* above, float* previous, const double* diagonal,
-                    const double* up, const double* down, double use_up, double use_down,
+void multiply_block(float* here, const float* above, float* previous, const float* diagonal,
+                    const float* up, const float* down, double use_up, double use_down,
                     std::size_t count);
 void multiply_block(double* here, const double* above, double* previous, const double* diagonal,
                     const double* up, const double* down, double use_up, double use_down,

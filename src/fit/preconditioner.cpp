@@ -15,13 +15,14 @@ constexpr std::size_t frequency_block = 256;
 // (pi, pi) mode), and well above single-precision rounding. Only the preconditioner has it.
 constexpr double ridge = 1e-5;
 
-// here -= l1 back1 + l2 back2 (complex values, real factors)
+// here -= l1 back1 + c2 inverse back2 (complex values, real factors)
 PARIAN_HOT void eliminate(float* PARIAN_RESTRICT here, const float* PARIAN_RESTRICT back1,
                           const float* PARIAN_RESTRICT back2, const float* PARIAN_RESTRICT l1,
-                          const float* PARIAN_RESTRICT l2, std::size_t count) {
+                          const float* PARIAN_RESTRICT inverse, float c2, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
-    here[2 * i] -= l1[i] * back1[2 * i] + l2[i] * back2[2 * i];
-    here[2 * i + 1] -= l1[i] * back1[2 * i + 1] + l2[i] * back2[2 * i + 1];
+    const float l2 = c2 * inverse[i];
+    here[2 * i] -= l1[i] * back1[2 * i] + l2 * back2[2 * i];
+    here[2 * i + 1] -= l1[i] * back1[2 * i + 1] + l2 * back2[2 * i + 1];
   }
 }
 
@@ -73,7 +74,6 @@ void factor_block(const ReducedSystem& system, const Hessian& hessian,
       l2[k + 2] = (k + 2 < knots ? bands.second[k] : 0) / d[k];
       factors.inverse_diagonal[k * size + f] = static_cast<float>(1 / d[k]);
       factors.lower1[k * size + f] = static_cast<float>(l1[k]);
-      factors.lower2[k * size + f] = static_cast<float>(l2[k]);
     }
   }
 }
@@ -82,15 +82,19 @@ void solve_block(const Preconditioner& factors, std::size_t size, std::size_t kn
                  float* spectrum, std::size_t begin, std::size_t count) {
   static constexpr float zeros[2 * frequency_block] = {};
   const auto plane = [&](std::size_t k) { return spectrum + 2 * (k * size + begin); };
-  for (std::size_t k = 1; k < knots; ++k)
-    eliminate(plane(k), plane(k - 1), k > 1 ? plane(k - 2) : zeros,
-              &factors.lower1[k * size + begin], &factors.lower2[k * size + begin], count);
+  const auto inverse = [&](std::size_t k) { return &factors.inverse_diagonal[k * size + begin]; };
+  const auto lower = [&](std::size_t k) { return &factors.lower1[k * size + begin]; };
+  for (std::size_t k = 1; k < knots; ++k) {
+    const bool two = k > 1;
+    eliminate(plane(k), plane(k - 1), two ? plane(k - 2) : zeros, lower(k),
+              two ? inverse(k - 2) : zeros, two ? factors.second[k - 2] : 0, count);
+  }
   for (std::size_t k = knots; k-- > 0;) {
-    scale_by(plane(k), &factors.inverse_diagonal[k * size + begin], count);
-    const bool up = k + 1 < knots, up2 = k + 2 < knots;
-    const float* l1 = up ? &factors.lower1[(k + 1) * size + begin] : zeros;
-    const float* l2 = up2 ? &factors.lower2[(k + 2) * size + begin] : zeros;
-    eliminate(plane(k), up ? plane(k + 1) : zeros, up2 ? plane(k + 2) : zeros, l1, l2, count);
+    scale_by(plane(k), inverse(k), count);
+    if (k + 1 == knots) continue;
+    const bool two = k + 2 < knots;
+    eliminate(plane(k), plane(k + 1), two ? plane(k + 2) : zeros, lower(k + 1), inverse(k),
+              two ? factors.second[k] : 0, count);
   }
 }
 
@@ -98,8 +102,10 @@ void solve_block(const Preconditioner& factors, std::size_t size, std::size_t kn
 
 Preconditioner make_preconditioner(const ReducedSystem& system, const Hessian& hessian) {
   const std::size_t size = hessian.grid.spectrum_size(), total = size * hessian.knots;
-  Preconditioner factors{std::vector<float>(total), std::vector<float>(total),
-                         std::vector<float>(total)};
+  const CurvatureBands bands = curvature_bands(system);
+  Preconditioner factors{std::vector<float>(total),
+                         std::vector<float>(total),
+                         {bands.second.begin(), bands.second.end()}};
   const std::vector<double> scale = mean_squares(system);
   parallel_for_blocks(size, frequency_block, [&](std::size_t begin, std::size_t end) {
     factor_block(system, hessian, scale, begin, end, factors);

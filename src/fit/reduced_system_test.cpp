@@ -203,6 +203,20 @@ TEST(Hessian, FftProductIsTheDirectProduct) {
   }
 }
 
+TEST(Hessian, ConstantFieldsNeedNoConvolution) {
+  for (const Case& c : make_cases()) {
+    const auto source = make_slices(c.table);
+    const ReducedSystem system = make_reduced_system(*source, 0, c.params);
+    if (system.restream != nullptr) continue;
+    const std::vector<double> p = make_mean_start(system);
+    std::vector<double> out(p.size());
+    apply_hessian_to_constant(system, make_hessian(system, ProductMethod::fft), p.data(),
+                              out.data());
+    EXPECT_LT(largest_difference(out, product(system, p, ProductMethod::explicit_)), 1e-7)
+        << c.name;
+  }
+}
+
 TEST(Hessian, SinglePrecisionAgrees) {
   const BssrdfTable table = make_test_table(12, 11, 4);
   const auto source = make_slices(table);

@@ -181,7 +181,11 @@ SolveReport solve_reduced(const ReducedSystem& system, const Hessian& hessian,
   SolveReport report;
   double last = 0, last_energy = 0, step = 0;
   for (int round = 0;; ++round) {
-    apply_hessian(system, hessian, p.data(), residual.data(), solver.workspace);
+    if (round == 0 && params.start_is_constant && system.restream == nullptr) {
+      apply_hessian_to_constant(system, hessian, p.data(), residual.data());
+    } else {
+      apply_hessian(system, hessian, p.data(), residual.data(), solver.workspace);
+    }
     report.energy = eval_energy(system, p.data(), residual.data());
     parallel_for_blocks(n, block, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) residual[i] = b[i] - residual[i];

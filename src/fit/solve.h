@@ -12,6 +12,7 @@ namespace parian {
 struct SolveParams {
   double tolerance = 1e-5;  // |b - Hp| / |b|
   int max_iterations = 200;
+  bool start_is_constant = false;  // p is the same at all pixels: its product is cheaper
 };
 
 struct SolveReport {

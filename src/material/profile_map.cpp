@@ -57,13 +57,44 @@ void eval_plane_inside(const ProfileMap& map, int channel, double r_mm, float* o
   for (std::size_t i = 0; i < map.pixels(); ++i) out[i] += std::log(gain[i]);
 }
 
+// The same beyond the last knot: the last slope, at least the minimum decay, up to the support.
+void eval_plane_beyond(const ProfileMap& map, int channel, double r_mm, float* out) {
+  const auto& knots = map.knots_mm;
+  const std::size_t last = knots.size() - 1, pixels = map.pixels();
+  const float* end = knot_plane(map, channel, static_cast<int>(last));
+  const float* before = knot_plane(map, channel, static_cast<int>(last) - 1);
+  std::vector<float> top(end, end + pixels);
+  for (std::size_t k = 0; k < last; ++k) {
+    const float* plane = knot_plane(map, channel, static_cast<int>(k));
+    for (std::size_t i = 0; i < pixels; ++i) top[i] = std::max(top[i], plane[i]);
+  }
+  const double beyond = r_mm - knots[last], width = knots[last] - knots[last - 1];
+  const double level = std::log(support_threshold);
+  const float* gain =
+      map.gain.empty() ? nullptr : map.gain.data() + static_cast<std::size_t>(channel) * pixels;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const double slope =
+        std::min(-min_tail_decay / knots[last], static_cast<double>(end[i] - before[i]) / width);
+    const double value = static_cast<double>(end[i]) + slope * beyond;
+    const bool inside =
+        value >= static_cast<double>(top[i]) + level && r_mm <= support_limit * knots[last];
+    const double shift = gain == nullptr ? 0 : std::log(static_cast<double>(gain[i]));
+    out[i] = inside ? static_cast<float>(value + shift) : -std::numeric_limits<float>::infinity();
+  }
+}
+
 void eval_plane(const ProfileMap& map, int channel, double r_mm, float* out) {
   constexpr double slack = 1 + 1e-9;  // an offset on the last knot is inside
-  if (map.dilation.empty() && map.knots_mm.size() > 1 && r_mm <= map.knots_mm.back() * slack)
-    return eval_plane_inside(map, channel, std::min(r_mm, map.knots_mm.back()), out);
-  for (int y = 0; y < map.height; ++y)
-    for (int x = 0; x < map.width; ++x)
-      *out++ = static_cast<float>(eval_log_profile(get_profile(map, channel, x, y), r_mm));
+  const double last = map.knots_mm.back();
+  if (map.dilation.empty() && r_mm <= last * slack) {
+    eval_plane_inside(map, channel, std::min(r_mm, last), out);
+  } else if (map.dilation.empty()) {
+    eval_plane_beyond(map, channel, r_mm, out);
+  } else {
+    for (int y = 0; y < map.height; ++y)
+      for (int x = 0; x < map.width; ++x)
+        *out++ = static_cast<float>(eval_log_profile(get_profile(map, channel, x, y), r_mm));
+  }
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ TEST(ProfileMap, SlicesAreSymmetricBitForBitAndTheGeometricMean) {
   for (bool edited : {false, true}) {
     const ProfileMap map = make_random_map(9, 8, edited);
     std::vector<float> forward(map.pixels()), backward(map.pixels());
-    for (const Offset d : {Offset{1, 0}, {2, 1}, {-3, 2}, {0, 4}, {5, 5}}) {
+    for (const Offset d : {Offset{1, 0}, {2, 1}, {-3, 2}, {0, 4}, {5, 5}, {8, 7}}) {
       eval_slice(map, 0, d, forward.data());
       eval_slice(map, 0, {-d.dx, -d.dy}, backward.data());
       for (int y = 0; y < 8; ++y) {
