@@ -12,6 +12,8 @@
 namespace parian {
 namespace {
 
+constexpr int tile_rows = 32;
+
 TableHeader grid_of(const ReducedSystem& system) {
   TableHeader grid;
   grid.width = system.width;
@@ -75,8 +77,8 @@ void drop_held_out(const ReducedSystem& system, Offset offset, std::vector<float
 }
 
 template <typename Real>
-void add_offset(const ReducedSystem& system, const TableHeader& grid, std::size_t i, const Real* p,
-                Real* out, RowBuffers<Real>& buffers) {
+void add_offset(const ReducedSystem& system, const TableHeader& grid, std::size_t i, int y_begin,
+                int y_end, const Real* p, Real* out, RowBuffers<Real>& buffers) {
   const Offset offset = system.offsets[i];
   const PixelRange range = pairs_in_grid(grid, offset);
   if (range.x0 >= range.x1) return;
@@ -94,7 +96,7 @@ void add_offset(const ReducedSystem& system, const TableHeader& grid, std::size_
                     high = low + system.pixels();
   const std::ptrdiff_t step = static_cast<std::ptrdiff_t>(offset.dy) * system.width + offset.dx;
   const TableHeader& header = system.restream != nullptr ? system.restream->header() : grid;
-  for (int y = range.y0; y < range.y1; ++y) {
+  for (int y = std::max(range.y0, y_begin); y < std::min(range.y1, y_end); ++y) {
     if (!scalar)
       fill_pair_weights(system, header, i, y,
                         system.restream != nullptr ? buffers.slice.data() : nullptr,
@@ -126,8 +128,12 @@ void add_all(const ReducedSystem& system, const Real* p, Real* out) {
     const auto width = static_cast<std::size_t>(system.width);
     RowBuffers<Real> buffers{std::vector<float>(system.restream != nullptr ? system.pixels() : 0),
                              std::vector<float>(width), std::vector<Real>(width)};
-    for (std::size_t i = 0; i < system.offsets.size(); ++i)
-      if (system.segment[i] == segment) add_offset(system, grid, i, p, out, buffers);
+    // Rows are taken in tiles that stay in cache, except where every tile would read the slices
+    // again.
+    const int tile = system.restream != nullptr ? system.height : tile_rows;
+    for (int y = 0; y < system.height; y += tile)
+      for (std::size_t i = 0; i < system.offsets.size(); ++i)
+        if (system.segment[i] == segment) add_offset(system, grid, i, y, y + tile, p, out, buffers);
   });
 }
 

@@ -10,7 +10,7 @@
 #include "fuzz_case.h"
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
-#include "io/hdf5/testing.h"
+#include "io/hdf5/testing_internal.h"
 
 namespace parian::fuzz {
 namespace {

@@ -18,7 +18,7 @@
 
 #include "base/error.h"
 #include "fuzz_case.h"
-#include "io/hdf5/testing.h"
+#include "io/hdf5/testing_internal.h"
 #include "io/image/image_file.h"
 #include "io/json/files.h"
 

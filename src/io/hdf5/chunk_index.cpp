@@ -2,7 +2,7 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "io/hdf5/slice_layout.h"
+#include "io/hdf5/slice_layout_internal.h"
 
 namespace parian::hdf5 {
 namespace {

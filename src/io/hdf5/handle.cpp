@@ -1,4 +1,4 @@
-#include "io/hdf5/handle.h"
+#include "io/hdf5/handle_internal.h"
 
 #include <cstdlib>
 #include <utility>

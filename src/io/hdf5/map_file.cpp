@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "io/hdf5/read.h"
-#include "io/hdf5/write.h"
+#include "io/hdf5/read_internal.h"
+#include "io/hdf5/write_internal.h"
 
 namespace parian {
 namespace {

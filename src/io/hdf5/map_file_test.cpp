@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "io/hdf5/table_file.h"
-#include "io/hdf5/testing.h"
+#include "io/hdf5/testing_internal.h"
 #include "io/json/files.h"
 
 namespace parian {

@@ -1,4 +1,4 @@
-#include "io/hdf5/raw_file.h"
+#include "io/hdf5/raw_file_internal.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

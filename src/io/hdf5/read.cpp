@@ -1,4 +1,4 @@
-#include "io/hdf5/read.h"
+#include "io/hdf5/read_internal.h"
 
 #include <fmt/format.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-#include "io/hdf5/slice_layout.h"
+#include "io/hdf5/slice_layout_internal.h"
 
 #include <zlib.h>
 

@@ -5,7 +5,7 @@
 
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
-#include "io/hdf5/testing.h"
+#include "io/hdf5/testing_internal.h"
 #include "io/json/files.h"
 
 namespace parian {

@@ -7,7 +7,7 @@
 
 #include "base/check.h"
 #include "base/error.h"
-#include "io/hdf5/slice_layout.h"
+#include "io/hdf5/slice_layout_internal.h"
 
 namespace parian {
 namespace {

@@ -7,9 +7,9 @@
 #include <cstring>
 
 #include "base/parallel.h"
-#include "io/hdf5/read.h"
-#include "io/hdf5/slice_layout.h"
-#include "io/hdf5/testing.h"
+#include "io/hdf5/read_internal.h"
+#include "io/hdf5/slice_layout_internal.h"
+#include "io/hdf5/testing_internal.h"
 #include "io/json/files.h"
 
 namespace parian {

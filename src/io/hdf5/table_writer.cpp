@@ -6,9 +6,9 @@
 
 #include "base/check.h"
 #include "base/error.h"
-#include "io/hdf5/slice_layout.h"
+#include "io/hdf5/slice_layout_internal.h"
 #include "io/hdf5/table_file.h"
-#include "io/hdf5/write.h"
+#include "io/hdf5/write_internal.h"
 
 namespace parian {
 namespace {

@@ -1,10 +1,15 @@
-#include "io/hdf5/write.h"
+#include "io/hdf5/write_internal.h"
 
+#include <fcntl.h>
+#include <sys/mman.h>
 #include <unistd.h>
+
+#include <cerrno>
+#include <limits>
 
 #include "base/check.h"
 #include "base/error.h"
-#include "io/hdf5/raw_file.h"
+#include "io/hdf5/raw_file_internal.h"
 #include "io/json/files.h"
 
 namespace parian::hdf5 {
@@ -16,23 +21,46 @@ NewFile::NewFile(std::string path) : path_(std::move(path)) {
 
 NewFile::~NewFile() {
   if (committed_) return;
-  // HDF5 cannot let go of a file whose metadata it cannot write: on a full disk, give back what the
-  // file took before HDF5 tries.
-  if (file_.valid()) [[maybe_unused]]
-    const int status = ::truncate(temporary_.c_str(), 0);
+  if (file_.valid()) let_go();
   file_.close();
   ::unlink(temporary_.c_str());
 }
 
-hid_t NewFile::check(hid_t id_or_status) const {
+// HDF5 cannot close a file, nor its own library at exit, whose metadata it cannot write: what is
+// given up is led to memory instead, where every write succeeds.
+void NewFile::let_go() {
+  const Guard guard;
+  void* descriptor = nullptr;
+  if (!file_.valid() || H5Fget_vfd_handle(file_.get(), H5P_DEFAULT, &descriptor) < 0) return;
+  const int memory = ::memfd_create("parian-given-up", MFD_CLOEXEC);
+  if (memory < 0) return;
+  ::dup3(memory, *static_cast<const int*>(descriptor), O_CLOEXEC);
+  ::close(memory);
+}
+
+hid_t NewFile::check(hid_t id_or_status) {
   if (id_or_status >= 0) return id_or_status;
   const Failure failure = last_failure();
+  let_go();
   if (failure.error_number != 0) throw_write_error(path_, failure.error_number);
   throw Error({.file = path_, .expected = "to write HDF5", .found = failure.message},
               ErrorKind::resource);
 }
 
+// A full disk is met here, before HDF5 is asked: what H5Fcreate leaves behind when it cannot write
+// its first bytes crashes the program at exit.
+static void probe_disk(const std::string& temporary, const std::string& path) {
+  const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  const std::string block(std::size_t{8} << 10u, '\0');
+  const ssize_t written = fd < 0 ? -1 : ::write(fd, block.data(), block.size());
+  const int error_number = errno;
+  if (fd >= 0) ::close(fd);
+  if (written < 0) throw_write_error(path, error_number);
+  if (static_cast<std::size_t>(written) < block.size()) throw_write_error(path, ENOSPC);
+}
+
 void NewFile::create() {
+  probe_disk(temporary_, path_);
   const Guard guard;
   file_ =
       Id(check(H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT)), H5Fclose);

@@ -1,4 +1,4 @@
-#include "io/image/exr.h"
+#include "io/image/exr_internal.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "io/image/image_limits.h"
+#include "io/image/image_limits_internal.h"
 
 namespace parian {
 namespace {

@@ -1,4 +1,4 @@
-#include "io/image/hdr.h"
+#include "io/image/hdr_internal.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "io/image/image_limits.h"
+#include "io/image/image_limits_internal.h"
 
 namespace parian {
 namespace {

@@ -9,10 +9,10 @@
 
 #include "base/check.h"
 #include "base/error.h"
-#include "io/image/exr.h"
-#include "io/image/hdr.h"
-#include "io/image/image_limits.h"
-#include "io/image/stb.h"
+#include "io/image/exr_internal.h"
+#include "io/image/hdr_internal.h"
+#include "io/image/image_limits_internal.h"
+#include "io/image/stb_internal.h"
 #include "io/json/files.h"
 
 namespace parian {

@@ -1,4 +1,4 @@
-#include "io/image/stb.h"
+#include "io/image/stb_internal.h"
 
 // Static, so that a program that has its own copy of stb links both.
 #define STB_IMAGE_STATIC
@@ -27,7 +27,7 @@
 
 #include "base/error.h"
 #include "image/color.h"
-#include "io/image/image_limits.h"
+#include "io/image/image_limits_internal.h"
 
 namespace parian {
 namespace {

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "io/hdf5/handle.h"
+#include "io/hdf5/handle_internal.h"
 
 namespace parian::hdf5 {
 
-// Values that HDF5 has laid out but not written: they go to the file past it (raw_file.h), so that
-// a full disk is met by plain system calls and not in the middle of HDF5's own bookkeeping.
+// Values that HDF5 has laid out but not written: they go to the file past it (raw_file_internal.h),
+// so that a full disk is met by plain system calls and not in the middle of HDF5's own bookkeeping.
 struct PendingValues {
   std::uint64_t address = 0;
   const void* data = nullptr;
@@ -43,12 +43,13 @@ class NewFile {
   void commit();
 
   // For calls of HDF5 that write: throws Error(resource) naming the final path.
-  hid_t check(hid_t id_or_status) const;
+  hid_t check(hid_t id_or_status);
 
   const std::string& path() const { return path_; }
   const std::string& temporary() const { return temporary_; }
 
  private:
+  void let_go();
   void write_attribute(const char* name, hid_t type, const std::vector<double>* values,
                        const void* data);
   std::string path_;

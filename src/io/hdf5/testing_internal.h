@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "io/hdf5/handle.h"
+#include "io/hdf5/handle_internal.h"
 #include "material/bssrdf_table.h"
 
 namespace parian::hdf5 {

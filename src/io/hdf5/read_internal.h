@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "io/hdf5/handle.h"
+#include "io/hdf5/handle_internal.h"
 #include "material/slices.h"
 
 namespace parian::hdf5 {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "io/hdf5/raw_file.h"
-#include "io/hdf5/read.h"
+#include "io/hdf5/raw_file_internal.h"
+#include "io/hdf5/read_internal.h"
 
 namespace parian::hdf5 {
 
