@@ -14,62 +14,105 @@ namespace {
 
 constexpr std::size_t frequency_block = 512;
 
-// K_kl(d) = m phi c_k c_l at d and at -d, for plane j of Hessian::kernels, on the padded grid.
-std::vector<double> make_kernel(const ReducedSystem& system, const WeightTerm& term,
-                                const FftGrid& grid, std::size_t j) {
-  std::vector<double> kernel(static_cast<std::size_t>(grid.padded_width) *
-                             static_cast<std::size_t>(grid.padded_height));
+// c_k(|d|) c_l(|d|) of offset i for plane j of Hessian::kernels.
+double hat_product(const ReducedSystem& system, std::size_t i, std::size_t j) {
   const int k = static_cast<int>(j / 2);
-  const auto add = [&](Offset d, double value) {
+  const double f = system.fraction[i];
+  if (j % 2 == 1) return system.segment[i] == k ? (1 - f) * f : 0;
+  if (system.segment[i] == k) return (1 - f) * (1 - f);
+  return system.segment[i] == k - 1 ? f * f : 0;
+}
+
+// Calls add(d, K_kl(d)) with K_kl(d) = m phi c_k c_l for the listed offsets and their opposites.
+template <typename Add>
+void for_each_tap(const ReducedSystem& system, const WeightTerm& term, std::size_t j,
+                  const Add& add) {
+  for (std::size_t i = 0; i < system.offsets.size(); ++i) {
+    const double value = system.pair_count[i] * term.phi[i] * hat_product(system, i, j);
+    if (value == 0) continue;
+    add(system.offsets[i], value);
+    add(Offset{-system.offsets[i].dx, -system.offsets[i].dy}, value);
+  }
+}
+
+// Real spectrum of K_kl: K is even.
+template <typename Real>
+void transform_kernel(const ReducedSystem& system, const WeightTerm& term, const FftGrid& grid,
+                      std::size_t j, Real* kernel) {
+  const auto width = static_cast<std::size_t>(grid.padded_width);
+  std::vector<Real> taps(width * static_cast<std::size_t>(grid.padded_height));
+  for_each_tap(system, term, j, [&](Offset d, double value) {
     const int x = d.dx < 0 ? d.dx + grid.padded_width : d.dx;
     const int y = d.dy < 0 ? d.dy + grid.padded_height : d.dy;
-    kernel[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.padded_width) +
-           static_cast<std::size_t>(x)] += value;
+    taps[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] +=
+        static_cast<Real>(value);
+  });
+  std::vector<std::complex<Real>> spectrum(grid.spectrum_size());
+  forward_fft_padded(grid, taps.data(), spectrum.data());
+  for (std::size_t f = 0; f < spectrum.size(); ++f) kernel[f] = spectrum[f].real();
+}
+
+// K * 1 inside the grid: sums of K over the rectangle of offsets that stay inside, from a
+// summed-area table. target += the result.
+void add_box_sums(const ReducedSystem& system, const WeightTerm& term, Offset reach, std::size_t j,
+                  double* target) {
+  const int wide = 2 * reach.dx + 2, high = 2 * reach.dy + 2;
+  std::vector<double> sums(static_cast<std::size_t>(wide) * static_cast<std::size_t>(high));
+  const auto at_table = [&](int x, int y) -> double& {
+    return sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(wide) +
+                static_cast<std::size_t>(x)];
   };
-  for (std::size_t i = 0; i < system.offsets.size(); ++i) {
-    const double f = system.fraction[i];
-    double hats = 0;
-    if (j % 2 == 1) {
-      if (system.segment[i] == k) hats = (1 - f) * f;
-    } else if (system.segment[i] == k) {
-      hats = (1 - f) * (1 - f);
-    } else if (system.segment[i] == k - 1) {
-      hats = f * f;
+  for_each_tap(system, term, j, [&](Offset d, double value) {
+    at_table(d.dx + reach.dx + 1, d.dy + reach.dy + 1) += value;
+  });
+  for (int y = 1; y < high; ++y)
+    for (int x = 1; x < wide; ++x)
+      at_table(x, y) += at_table(x - 1, y) + at_table(x, y - 1) - at_table(x - 1, y - 1);
+  for (int y = 0; y < system.height; ++y) {
+    const int y0 = std::max(-y, -reach.dy) + reach.dy;
+    const int y1 = std::min(system.height - 1 - y, reach.dy) + reach.dy + 1;
+    for (int x = 0; x < system.width; ++x) {
+      const int x0 = std::max(-x, -reach.dx) + reach.dx;
+      const int x1 = std::min(system.width - 1 - x, reach.dx) + reach.dx + 1;
+      *target++ += at_table(x1, y1) - at_table(x0, y1) - at_table(x1, y0) + at_table(x0, y0);
     }
-    if (hats == 0) continue;
-    const double value = system.pair_count[i] * term.phi[i] * hats;
-    add(system.offsets[i], value);
-    add({-system.offsets[i].dx, -system.offsets[i].dy}, value);
   }
-  return kernel;
 }
 
-std::vector<double> mask_of(const ReducedSystem& system, const WeightTerm& term) {
-  if (term.u.empty()) return std::vector<double>(system.pixels(), 1.0);
-  return {term.u.begin(), term.u.end()};
+// u (K * u) for a term with pixel factors. target += the result.
+void add_masked_sums(const ReducedSystem& system, const WeightTerm& term, const FftGrid& grid,
+                     const std::vector<std::complex<double>>& u_spectrum, std::size_t j,
+                     double* target) {
+  std::vector<double> kernel(grid.spectrum_size()), block(system.pixels());
+  transform_kernel(system, term, grid, j, kernel.data());
+  std::vector<std::complex<double>> spectrum(u_spectrum);
+  for (std::size_t f = 0; f < spectrum.size(); ++f) spectrum[f] *= kernel[f];
+  inverse_fft(grid, spectrum.data(), block.data());
+  for (std::size_t x = 0; x < block.size(); ++x)
+    target[x] += static_cast<double>(term.u[x]) * block[x];
 }
 
-// Real spectra of the kernels of one term, and its part of the block diagonal u (K * u).
-void add_term(const ReducedSystem& system, const WeightTerm& term, Hessian& hessian) {
+void add_term(const ReducedSystem& system, const WeightTerm& term, Offset reach, bool exact,
+              Hessian& hessian) {
   const FftGrid& grid = hessian.grid;
   const std::size_t planes = 2 * hessian.knots - 1, size = grid.spectrum_size();
-  const std::vector<double> u = mask_of(system, term);
-  std::vector<std::complex<double>> u_spectrum(size);
-  forward_fft(grid, u.data(), u_spectrum.data());
-  std::vector<double>& kernels = hessian.kernels.emplace_back(planes * size);
+  std::vector<std::complex<double>> u_spectrum(term.u.empty() ? 0 : size);
+  if (!term.u.empty()) {
+    const std::vector<double> u(term.u.begin(), term.u.end());
+    forward_fft(grid, u.data(), u_spectrum.data());
+  }
+  std::vector<float>& single = hessian.kernels_single.emplace_back(planes * size);
+  if (exact) hessian.kernels.emplace_back(planes * size);
   parallel_for(planes, [&](std::size_t j) {
-    std::vector<std::complex<double>> spectrum(size);
-    forward_fft_padded(grid, make_kernel(system, term, grid, j).data(), spectrum.data());
-    double* kernel = &kernels[j * size];
-    for (std::size_t f = 0; f < size; ++f) {
-      kernel[f] = spectrum[f].real();  // K is even: its spectrum is real
-      spectrum[f] = kernel[f] * u_spectrum[f];
-    }
-    std::vector<double> block(system.pixels());
-    inverse_fft(grid, spectrum.data(), block.data());
+    transform_kernel(system, term, grid, j, &single[j * size]);
+    if (exact) transform_kernel(system, term, grid, j, &hessian.kernels.back()[j * size]);
     double* target =
         (j % 2 == 0 ? hessian.diagonal : hessian.coupling).data() + j / 2 * system.pixels();
-    for (std::size_t x = 0; x < block.size(); ++x) target[x] += u[x] * block[x];
+    if (term.u.empty()) {
+      add_box_sums(system, term, reach, j, target);
+    } else {
+      add_masked_sums(system, term, grid, u_spectrum, j, target);
+    }
   });
 }
 
@@ -134,6 +177,12 @@ std::complex<Real>* spectrum_of(HessianWorkspace& workspace, std::size_t size) {
 template <typename Real>
 void multiply_plane(const float* u, const Real* in, Real* out, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<Real>(u[i]) * in[i];
+}
+
+double mean_of(const double* values, std::size_t count) {
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) sum += values[i];
+  return sum / static_cast<double>(count);
 }
 
 // out_k += ((D + lambda^2 L^T L) p)_k; without blocks only the curvature.
@@ -220,6 +269,7 @@ void apply(const ReducedSystem& system, const Hessian& hessian, const Real* p, R
     add_curvature(system, p, out);
     return;
   }
+  if constexpr (sizeof(Real) == sizeof(double)) PARIAN_CHECK(!hessian.kernels.empty());
   for (std::size_t q = 0; q < system.weights.size(); ++q)
     convolve(system, hessian, q, p, out, workspace);
   subtract_missing(system, p, out);
@@ -244,24 +294,22 @@ CurvatureBands curvature_bands(const ReducedSystem& system) {
   return bands;
 }
 
-Hessian make_hessian(const ReducedSystem& system, ProductMethod method) {
-  int reach_x = 0, reach_y = 0;
+Hessian make_hessian(const ReducedSystem& system, ProductMethod method, bool exact) {
+  Offset reach;
   for (Offset offset : system.offsets) {
-    reach_x = std::max(reach_x, std::abs(offset.dx));
-    reach_y = std::max(reach_y, std::abs(offset.dy));
+    reach.dx = std::max(reach.dx, std::abs(offset.dx));
+    reach.dy = std::max(reach.dy, std::abs(offset.dy));
   }
   Hessian hessian;
-  hessian.grid = make_fft_grid(system.width, system.height, reach_x, reach_y);
+  hessian.grid = make_fft_grid(system.width, system.height, reach.dx, reach.dy);
   hessian.knots = system.knots();
   hessian.method =
       method == ProductMethod::automatic ? choose_method(system, hessian.grid) : method;
   hessian.diagonal.assign(system.unknowns(), 0.0);
   hessian.coupling.assign(system.unknowns() - system.pixels(), 0.0);
-  for (const WeightTerm& term : system.weights) {
-    add_term(system, term, hessian);
-    const std::vector<double>& kernels = hessian.kernels.back();
-    hessian.kernels_single.emplace_back(kernels.begin(), kernels.end());
-  }
+  const bool by_convolution = hessian.method == ProductMethod::fft;
+  for (const WeightTerm& term : system.weights)
+    add_term(system, term, reach, exact && by_convolution, hessian);
   hessian.diagonal_single.assign(hessian.diagonal.begin(), hessian.diagonal.end());
   hessian.coupling_single.assign(hessian.coupling.begin(), hessian.coupling.end());
   return hessian;
@@ -288,39 +336,74 @@ void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const fl
   apply(system, hessian, p, out, workspace);
 }
 
-void apply_hessian_to_constant(const ReducedSystem& system, const Hessian& hessian, const double* p,
-                               double* out) {
-  // Per term C p = u (K * (u p)) = D p for a p that does not depend on x, so H p = 2 D p +
-  // curvature.
+void apply_hessian_to_constant(const ReducedSystem& system, const Hessian& hessian,
+                               const std::vector<double>& profile, double* out,
+                               HessianWorkspace& workspace) {
   const std::size_t pixels = system.pixels(), knots = hessian.knots;
+  PARIAN_CHECK_EQ(profile.size(), knots);
+  std::vector<double> field(system.unknowns());
+  for (std::size_t k = 0; k < knots; ++k)
+    std::fill_n(field.begin() + static_cast<std::ptrdiff_t>(k * pixels), pixels, profile[k]);
+  if (system.restream != nullptr)
+    return apply_hessian(system, hessian, field.data(), out, workspace);
+  // Per term C p = u (K * (u p)) = D p for a p that does not depend on x: H p = 2 D p + curvature.
   const CurvatureBands bands = curvature_bands(system);
   parallel_for(knots, [&](std::size_t k) {
     double* target = out + k * pixels;
-    std::fill_n(target, pixels, 0.0);
-    add_local(bands, blocks_of<double>(hessian), knots, pixels, k, p, out);
-    CurvatureBands none{std::vector<double>(knots), std::vector<double>(knots),
-                        std::vector<double>(knots)};
-    add_local(none, blocks_of<double>(hessian), knots, pixels, k, p, out);
+    const double* diagonal = &hessian.diagonal[k * pixels];
+    const double* up = k + 1 < knots ? &hessian.coupling[k * pixels] : nullptr;
+    const double* down = k > 0 ? &hessian.coupling[(k - 1) * pixels] : nullptr;
+    double curvature = bands.main[k] * profile[k];
+    if (k + 1 < knots) curvature += bands.first[k] * profile[k + 1];
+    if (k > 0) curvature += bands.first[k - 1] * profile[k - 1];
+    if (k + 2 < knots) curvature += bands.second[k] * profile[k + 2];
+    if (k > 1) curvature += bands.second[k - 2] * profile[k - 2];
+    for (std::size_t i = 0; i < pixels; ++i) {
+      double sum = diagonal[i] * profile[k];
+      if (up != nullptr) sum += up[i] * profile[k + 1];
+      if (down != nullptr) sum += down[i] * profile[k - 1];
+      target[i] = 2 * sum + curvature;
+    }
   });
-  subtract_missing(system, p, out);
+  subtract_missing(system, field.data(), out);
 }
 
-double eval_energy(const ReducedSystem& system, const double* p, const double* product) {
-  const double* b = system.right_hand_side.data();
-  const double quadratic =
-      parallel_sum(system.unknowns(), 1u << 15u, [&](std::size_t begin, std::size_t end) {
+namespace {
+
+template <typename Real>
+double eval_energy_around_mean(const ReducedSystem& system, const Hessian& hessian,
+                               const double* p) {
+  const std::size_t pixels = system.pixels();
+  const std::vector<double>& b = system.right_hand_side;
+  HessianWorkspace workspace;
+  std::vector<double> mean;
+  for (std::size_t k = 0; k < hessian.knots; ++k) mean.push_back(mean_of(p + k * pixels, pixels));
+  std::vector<double> product(system.unknowns());
+  apply_hessian_to_constant(system, hessian, mean, product.data(), workspace);
+  std::vector<Real> delta(system.unknowns()), delta_product(system.unknowns());
+  parallel_for_blocks(system.unknowns(), pixels, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      delta[i] = static_cast<Real>(p[i] - mean[begin / pixels]);
+  });
+  apply(system, hessian, delta.data(), delta_product.data(), workspace);
+  const double difference =
+      parallel_sum(system.unknowns(), pixels, [&](std::size_t begin, std::size_t end) {
+        const double m = mean[begin / pixels];
         double sum = 0;
-        for (std::size_t i = begin; i < end; ++i) sum += p[i] * (0.5 * product[i] - b[i]);
+        for (std::size_t i = begin; i < end; ++i)
+          sum += m * (0.5 * product[i] - b[i]) + (p[i] - m) * (product[i] - b[i]) +
+                 0.5 * static_cast<double>(delta[i]) * static_cast<double>(delta_product[i]);
         return sum;
       });
-  return quadratic + system.constant;
+  return system.constant + difference;
 }
 
+}  // namespace
+
 double eval_energy(const ReducedSystem& system, const Hessian& hessian, const double* p) {
-  HessianWorkspace workspace;
-  std::vector<double> product(system.unknowns());
-  apply_hessian(system, hessian, p, product.data(), workspace);
-  return eval_energy(system, p, product.data());
+  const bool exact = hessian.method == ProductMethod::explicit_ || !hessian.kernels.empty();
+  return exact ? eval_energy_around_mean<double>(system, hessian, p)
+               : eval_energy_around_mean<float>(system, hessian, p);
 }
 
 }  // namespace parian

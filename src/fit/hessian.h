@@ -23,17 +23,19 @@ struct Hessian {
   ProductMethod method = ProductMethod::fft;
   FftGrid grid;
   std::size_t knots = 0;
-  // Per weight term: real spectra of the kernels 2 phi c_k c_l, planes in the order
-  // (0,0), (0,1), (1,1), (1,2), ... of (k,l).
-  std::vector<std::vector<double>> kernels;
   std::vector<double> diagonal;  // [k][y][x]: u (K_kk * u), summed over terms
   std::vector<double> coupling;  // [k][y][x]: the same for (k, k+1); knots - 1 planes
-  // The same in single precision, for the products that a solver spends its time in.
-  std::vector<std::vector<float>> kernels_single;
   std::vector<float> diagonal_single, coupling_single;
+  // Per weight term: real spectra of the kernels 2 phi c_k c_l, planes in the order
+  // (0,0), (0,1), (1,1), (1,2), ... of (k,l). Those in double precision only on request.
+  std::vector<std::vector<float>> kernels_single;
+  std::vector<std::vector<double>> kernels;
 };
 
-Hessian make_hessian(const ReducedSystem& system, ProductMethod method = ProductMethod::automatic);
+// `exact`: products with vectors of doubles are possible by convolution too. Energies never need
+// them.
+Hessian make_hessian(const ReducedSystem& system, ProductMethod method = ProductMethod::automatic,
+                     bool exact = true);
 // Whether a Hessian that was made for `other` serves `system` as well.
 bool shares_hessian(const ReducedSystem& system, const ReducedSystem& other);
 
@@ -48,12 +50,13 @@ void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const do
 void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const float* p, float* out,
                    HessianWorkspace& workspace);
 
-// The same for a p that is equal at all pixels, without a convolution. Not for restreamed systems.
-void apply_hessian_to_constant(const ReducedSystem& system, const Hessian& hessian, const double* p,
-                               double* out);
+// The same for the field that has the value profile[k] at all pixels, without a convolution.
+void apply_hessian_to_constant(const ReducedSystem& system, const Hessian& hessian,
+                               const std::vector<double>& profile, double* out,
+                               HessianWorkspace& workspace);
 
-// E(p), given the product H p.
-double eval_energy(const ReducedSystem& system, const double* p, const double* product);
+// E(p). With p = m + delta, m its mean over the pixels, E(p) = E(m) + g(m)^T delta +
+// 1/2 delta^T H delta: without exact products only the last, small term has single precision.
 double eval_energy(const ReducedSystem& system, const Hessian& hessian, const double* p);
 
 // Inverse of H with its block diagonal frozen at the interior value: per spatial frequency one

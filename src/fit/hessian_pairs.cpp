@@ -87,11 +87,10 @@ void add_offset(const ReducedSystem& system, const TableHeader& grid, std::size_
     system.restream->read_slice(system.channel, system.table_index[i], buffers.slice.data());
     drop_held_out(system, offset, buffers.slice);
   }
-  if (scalar)
-    std::fill(buffers.weight.begin(), buffers.weight.end(),
-              static_cast<float>(system.weights[0].phi[i]));
+  if (scalar) std::fill(buffers.weight.begin(), buffers.weight.end(), 1.0f);
   const auto count = static_cast<std::size_t>(range.x1 - range.x0);
-  const double f = system.fraction[i], m = system.pair_count[i];
+  const double f = system.fraction[i];
+  const double m = system.pair_count[i] * (scalar ? system.weights[0].phi[i] : 1);
   const std::size_t low = static_cast<std::size_t>(system.segment[i]) * system.pixels(),
                     high = low + system.pixels();
   const std::ptrdiff_t step = static_cast<std::ptrdiff_t>(offset.dy) * system.width + offset.dx;

@@ -54,7 +54,8 @@ void factor_block(const ReducedSystem& system, const Hessian& hessian,
   const auto kernel = [&](std::size_t j, std::size_t f) {
     double sum = 0;
     for (std::size_t q = 0; q < scale.size(); ++q)
-      sum += scale[q] * (hessian.kernels[q][j * size] + hessian.kernels[q][j * size + f]);
+      sum += scale[q] * (static_cast<double>(hessian.kernels_single[q][j * size]) +
+                         static_cast<double>(hessian.kernels_single[q][j * size + f]));
     return sum;
   };
   double largest = 0;

@@ -208,10 +208,12 @@ TEST(Hessian, ConstantFieldsNeedNoConvolution) {
     const auto source = make_slices(c.table);
     const ReducedSystem system = make_reduced_system(*source, 0, c.params);
     if (system.restream != nullptr) continue;
-    const std::vector<double> p = make_mean_start(system);
+    const std::vector<double> profile = fit_mean_profile(system);
+    const std::vector<double> p = make_constant_field(system, profile);
     std::vector<double> out(p.size());
-    apply_hessian_to_constant(system, make_hessian(system, ProductMethod::fft), p.data(),
-                              out.data());
+    HessianWorkspace workspace;
+    apply_hessian_to_constant(system, make_hessian(system, ProductMethod::fft), profile, out.data(),
+                              workspace);
     EXPECT_LT(largest_difference(out, product(system, p, ProductMethod::explicit_)), 1e-7)
         << c.name;
   }
@@ -280,9 +282,10 @@ TEST(Solve, AgreesWithADenseFactorisation) {
     const Eigen::VectorXd exact = h.ldlt().solve(b);
 
     const Hessian hessian = make_hessian(system);
-    std::vector<double> p = make_mean_start(system);
-    const SolveReport report =
-        solve_reduced(system, hessian, make_preconditioner(system, hessian), {1e-11, 500}, p);
+    const std::vector<double> profile = fit_mean_profile(system);
+    std::vector<double> p = make_constant_field(system, profile);
+    const SolveReport report = solve_reduced(system, hessian, make_preconditioner(system, hessian),
+                                             {1e-11, 500}, profile, p);
     // With offsets of one pixel only, a checkerboard on the outer knot changes nothing: H is
     // singular.
     const bool singular = system.offsets.size() == 3;
@@ -290,6 +293,34 @@ TEST(Solve, AgreesWithADenseFactorisation) {
     if (singular) continue;
     const Eigen::Map<const Eigen::VectorXd> solved(p.data(), h.rows());
     EXPECT_LT((solved - exact).norm(), 2e-4 * exact.norm()) << c.name;
+  }
+}
+
+TEST(Solve, SinglePrecisionReportsItsTrueResidualAndEnergy) {
+  for (const Case& c : make_cases()) {
+    const auto source = make_slices(c.table);
+    const ReducedSystem system = make_reduced_system(*source, 0, c.params);
+    const Hessian hessian = make_hessian(system);
+    const std::vector<double> profile = fit_mean_profile(system);
+    std::vector<double> p = make_constant_field(system, profile);
+    const SolveReport report = solve_reduced(system, hessian, make_preconditioner(system, hessian),
+                                             {1e-5, 500}, profile, p);
+    EXPECT_LE(report.relative_residual, 1e-5) << c.name;
+    const std::vector<double> hp = product(system, p, hessian.method);
+    double residual = 0, norm_b = 0, energy = system.constant;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      const double b = system.right_hand_side[i];
+      residual += (b - hp[i]) * (b - hp[i]);
+      norm_b += b * b;
+      energy += p[i] * (0.5 * hp[i] - b);
+    }
+    EXPECT_LE(std::sqrt(residual / norm_b), 1.1e-5) << c.name;
+    // What single precision may cost is relative to the energy that the deviations explain.
+    const double explained =
+        eval_energy(system, hessian, make_constant_field(system, profile).data()) - energy;
+    EXPECT_NEAR(report.energy, energy, 1e-5 * explained) << c.name;
+    const Hessian single = make_hessian(system, hessian.method, false);
+    EXPECT_NEAR(eval_energy(system, single, p.data()), energy, 1e-5 * explained) << c.name;
   }
 }
 

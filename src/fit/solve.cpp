@@ -2,8 +2,11 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <functional>
 
+#include "base/check.h"
 #include "base/hot.h"
 #include "base/parallel.h"
 #include "fit/hessian_internal.h"
@@ -69,29 +72,35 @@ double norm(const std::vector<double>& v) {
   }));
 }
 
+void for_all(std::size_t count, const std::function<void(std::size_t, std::size_t)>& body) {
+  parallel_for_blocks(count, block, body);
+}
+
 struct Solver {
   const ReducedSystem& system;
   const Hessian& hessian;
   const Preconditioner& preconditioner;
+  const SolveParams& params;
   const Progress& progress;
   HessianWorkspace workspace;
   std::vector<float> x, r, z, d;  // z also holds H d
+  double norm_b = 0;
+  SolveReport report;
 };
 
-// Solves H x = r until |r| has fallen by `gain`; returns the iterations.
-int conjugate_gradient(Solver& s, double gain, int max_iterations) {
-  std::fill(s.x.begin(), s.x.end(), 0.0f);
+// Adds to x what brings the residual r = rhs - H x down to `target`.
+void conjugate_gradient(Solver& s, double target) {
   const double start = std::sqrt(dot(s.r, s.r));
   double rz = 0;
-  int iteration = 0;
-  for (double norm_r = start; iteration < max_iterations && norm_r > gain * start; ++iteration) {
+  for (double norm_r = start; s.report.iterations < s.params.max_iterations && norm_r > target;
+       ++s.report.iterations) {
     advance_progress(s.progress, "solving",
-                     std::clamp(std::log(norm_r / start) / std::log(gain), 0.0, 1.0));
+                     std::clamp(std::log(norm_r / start) / std::log(target / start), 0.0, 1.0));
     apply_preconditioner(s.preconditioner, s.hessian, s.r.data(), s.z.data(), s.workspace);
     const double rz_new = dot(s.r, s.z);
     if (!(rz_new > 0)) break;  // rounding has the last word
     const auto beta = static_cast<float>(rz > 0 ? rz_new / rz : 0);
-    parallel_for_blocks(s.d.size(), block, [&](std::size_t begin, std::size_t end) {
+    for_all(s.d.size(), [&](std::size_t begin, std::size_t end) {
       direction_block(beta, &s.z[begin], &s.d[begin], end - begin);
     });
     rz = rz_new;
@@ -103,19 +112,97 @@ int conjugate_gradient(Solver& s, double gain, int max_iterations) {
       return step_block(alpha, &s.d[begin], &s.z[begin], &s.x[begin], &s.r[begin], end - begin);
     }));
   }
-  return iteration;
 }
 
-// p += factor x
-void add_step(const Solver& solver, double factor, std::vector<double>& p) {
-  parallel_for_blocks(p.size(), block, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) p[i] += factor * static_cast<double>(solver.x[i]);
+// In single precision throughout but for the gradient g at the constant field m = profile:
+//   p = m + x,  r = -g - H x,  E(p) = E(m) + g^T x / 2 - x^T r / 2
+void solve_single(Solver& s, const std::vector<double>& profile, std::vector<double>& p) {
+  const std::size_t n = p.size(), pixels = s.system.pixels();
+  const std::vector<double>& b = s.system.right_hand_side;
+  std::vector<double> g(n);  // first H m
+  apply_hessian_to_constant(s.system, s.hessian, profile, g.data(), s.workspace);
+  std::atomic<bool> from_mean{true};
+  // Blocks are planes, so the profile's value is the same within each.
+  const double energy_of_mean =
+      s.system.constant + parallel_sum(n, pixels, [&](std::size_t begin, std::size_t end) {
+        const double m = profile[begin / pixels];
+        double sum = 0;
+        bool same = true;
+        for (std::size_t i = begin; i < end; ++i) {
+          sum += m * (0.5 * g[i] - b[i]);
+          g[i] -= b[i];
+          s.x[i] = static_cast<float>(p[i] - m);
+          same = same && s.x[i] == 0;
+        }
+        if (!same) from_mean = false;
+        return sum;
+      });
+  if (!from_mean) apply_hessian(s.system, s.hessian, s.x.data(), s.r.data(), s.workspace);
+  for_all(n, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      s.r[i] = static_cast<float>(-g[i] - static_cast<double>(s.r[i]));
   });
+  conjugate_gradient(s, s.params.tolerance * s.norm_b);
+  s.report.relative_residual = s.norm_b > 0 ? std::sqrt(dot(s.r, s.r)) / s.norm_b : 0;
+  s.report.energy =
+      energy_of_mean + 0.5 * parallel_sum(n, pixels, [&](std::size_t begin, std::size_t end) {
+                         const double m = profile[begin / pixels];
+                         double sum = 0;
+                         for (std::size_t i = begin; i < end; ++i) {
+                           const auto x = static_cast<double>(s.x[i]);
+                           sum += x * (g[i] - static_cast<double>(s.r[i]));
+                           p[i] = m + x;
+                         }
+                         return sum;
+                       });
+}
+
+// Residual b - Hp in double precision; sets the report's residual and energy.
+void measure(Solver& s, const std::vector<double>& p, std::vector<double>& residual) {
+  const std::vector<double>& b = s.system.right_hand_side;
+  apply_hessian(s.system, s.hessian, p.data(), residual.data(), s.workspace);
+  s.report.energy =
+      s.system.constant + parallel_sum(p.size(), block, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+          sum += p[i] * (0.5 * residual[i] - b[i]);
+          residual[i] = b[i] - residual[i];
+        }
+        return sum;
+      });
+  s.report.relative_residual = s.norm_b > 0 ? norm(residual) / s.norm_b : 0;
+}
+
+// Rounds of single-precision solves of H x = b - Hp, each taken back if rounding made it useless.
+void refine(Solver& s, std::vector<double>& p) {
+  std::vector<double> residual(p.size());
+  measure(s, p, residual);
+  const auto add_step = [&](double factor) {
+    for (std::size_t i = 0; i < p.size(); ++i) p[i] += factor * static_cast<double>(s.x[i]);
+  };
+  while (s.report.relative_residual > s.params.tolerance &&
+         s.report.iterations < s.params.max_iterations) {
+    const SolveReport before = s.report;
+    const double norm = before.relative_residual * s.norm_b;
+    for (std::size_t i = 0; i < p.size(); ++i) s.r[i] = static_cast<float>(residual[i] / norm);
+    std::fill(s.x.begin(), s.x.end(), 0.0f);
+    std::fill(s.d.begin(), s.d.end(), 0.0f);
+    const double gain = 0.9 * s.params.tolerance / before.relative_residual;
+    conjugate_gradient(s, std::clamp(gain, largest_gain, 0.5));
+    add_step(norm);
+    measure(s, p, residual);
+    if (s.report.relative_residual < 0.5 * before.relative_residual) continue;
+    if (s.report.relative_residual < before.relative_residual) return;
+    add_step(-norm);
+    s.report.energy = before.energy;
+    s.report.relative_residual = before.relative_residual;
+    return;
+  }
 }
 
 }  // namespace
 
-std::vector<double> make_mean_start(const ReducedSystem& system) {
+std::vector<double> fit_mean_profile(const ReducedSystem& system) {
   const std::size_t knots = system.knots(), pixels = system.pixels();
   // The hats, coupled through the pairs of each offset. A pair count per offset is enough:
   // boundaries and missing pairs only change how often a pair counts, and the start needs no more
@@ -155,69 +242,44 @@ std::vector<double> make_mean_start(const ReducedSystem& system) {
   }
   normal.diagonal().array() += 1e-12 * smooth;
   const Eigen::VectorXd profile = normal.ldlt().solve(right);
-  std::vector<double> start(system.unknowns());
-  for (std::size_t k = 0; k < knots; ++k)
-    std::fill_n(start.begin() + static_cast<std::ptrdiff_t>(k * pixels), pixels,
-                profile(static_cast<Eigen::Index>(k)));
-  return start;
+  return {profile.data(), profile.data() + profile.size()};
+}
+
+std::vector<double> make_constant_field(const ReducedSystem& system,
+                                        const std::vector<double>& profile) {
+  std::vector<double> field(system.unknowns());
+  for (std::size_t k = 0; k < profile.size(); ++k)
+    std::fill_n(field.begin() + static_cast<std::ptrdiff_t>(k * system.pixels()), system.pixels(),
+                profile[k]);
+  return field;
 }
 
 SolveReport solve_reduced(const ReducedSystem& system, const Hessian& hessian,
                           const Preconditioner& preconditioner, const SolveParams& params,
-                          std::vector<double>& p, const Progress& progress) {
+                          const std::vector<double>& profile, std::vector<double>& p,
+                          const Progress& progress) {
   const std::size_t n = system.unknowns();
+  PARIAN_CHECK_EQ(p.size(), n);
+  const std::vector<double>& b = system.right_hand_side;
   Solver solver{system,
                 hessian,
                 preconditioner,
+                params,
                 progress,
                 {},
                 std::vector<float>(n),
                 std::vector<float>(n),
                 std::vector<float>(n),
-                std::vector<float>(n)};
-  std::vector<double> residual(n);
-  const std::vector<double>& b = system.right_hand_side;
-  const double norm_b = norm(b);
-  SolveReport report;
-  double last = 0, last_energy = 0, step = 0;
-  for (int round = 0;; ++round) {
-    if (round == 0 && params.start_is_constant && system.restream == nullptr) {
-      apply_hessian_to_constant(system, hessian, p.data(), residual.data());
-    } else {
-      apply_hessian(system, hessian, p.data(), residual.data(), solver.workspace);
-    }
-    report.energy = eval_energy(system, p.data(), residual.data());
-    parallel_for_blocks(n, block, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) residual[i] = b[i] - residual[i];
-    });
-    const double norm_r = norm(residual);
-    report.relative_residual = norm_b > 0 ? norm_r / norm_b : 0;
-    if (round > 0 && !(report.relative_residual < last)) {  // rounding undid the last step
-      add_step(solver, -step, p);
-      report.relative_residual = last;
-      report.energy = last_energy;
-      break;
-    }
-    const bool stalled = round > 0 && report.relative_residual > 0.5 * last;
-    if (report.relative_residual <= params.tolerance || stalled ||
-        report.iterations >= params.max_iterations)
-      break;
-    last = report.relative_residual;
-    last_energy = report.energy;
-    step = norm_r;
-    // The residual is scaled to norm 1, so that nothing underflows in single precision.
-    parallel_for_blocks(n, block, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        solver.r[i] = static_cast<float>(residual[i] / norm_r);
-    });
-    std::fill(solver.d.begin(), solver.d.end(), 0.0f);
-    const double gain =
-        std::clamp(0.9 * params.tolerance / report.relative_residual, largest_gain, 0.5);
-    report.iterations +=
-        conjugate_gradient(solver, gain, params.max_iterations - report.iterations);
-    add_step(solver, step, p);
+                std::vector<float>(n),
+                0,
+                {}};
+  solver.norm_b = norm(b);
+  if (params.tolerance >= single_precision_tolerance) {
+    solve_single(solver, profile, p);
+  } else {
+    refine(solver, p);
   }
-  return report;
+  return solver.report;
 }
 
 }  // namespace parian

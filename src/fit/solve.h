@@ -1,5 +1,6 @@
-// Preconditioned conjugate gradients on a reduced system, in single precision inside an iterative
-// refinement in double precision: any tolerance at the price of single-precision products.
+// Preconditioned conjugate gradients on a reduced system, in single precision: on the difference
+// from the mean profile, whose own residual is exact. Tolerances below 1e-6 take rounds of
+// iterative refinement in double precision.
 #pragma once
 
 #include <vector>
@@ -12,21 +13,28 @@ namespace parian {
 struct SolveParams {
   double tolerance = 1e-5;  // |b - Hp| / |b|
   int max_iterations = 200;
-  bool start_is_constant = false;  // p is the same at all pixels: its product is cheaper
 };
+
+// Below this tolerance solve_reduced needs a Hessian with exact products.
+inline constexpr double single_precision_tolerance = 1e-6;
 
 struct SolveReport {
   int iterations = 0;
-  double relative_residual = 0;
+  double relative_residual = 0;  // by the recurrence of the iteration; recomputed when refined
   double energy = 0;
 };
 
-// The constant field that minimises E: the same profile at every pixel.
-std::vector<double> make_mean_start(const ReducedSystem& system);
+// The profile that minimises E when every pixel has the same.
+std::vector<double> fit_mean_profile(const ReducedSystem& system);
 
-// Improves p in place, starting from its value.
+// The field with that profile at every pixel.
+std::vector<double> make_constant_field(const ReducedSystem& system,
+                                        const std::vector<double>& profile);
+
+// Improves p in place, starting from its value. `profile` is a profile near p's mean.
 SolveReport solve_reduced(const ReducedSystem& system, const Hessian& hessian,
                           const Preconditioner& preconditioner, const SolveParams& params,
-                          std::vector<double>& p, const Progress& progress = {});
+                          const std::vector<double>& profile, std::vector<double>& p,
+                          const Progress& progress = {});
 
 }  // namespace parian

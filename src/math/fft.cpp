@@ -43,7 +43,7 @@ FftGrid make_fft_grid(int width, int height, int reach_x, int reach_y) {
 }
 
 void forward_fft(const FftGrid& grid, const float* plane, std::complex<float>* spectrum) {
-  PARIAN_FFT_CALL(forward_float, grid, plane, spectrum);
+  PARIAN_FFT_CALL(forward_float, grid, plane, grid.width, grid.height, spectrum);
 }
 void forward_fft(const FftGrid& grid, const double* plane, std::complex<double>* spectrum) {
   PARIAN_FFT_CALL(forward_double, grid, plane, grid.width, grid.height, spectrum);
@@ -53,6 +53,9 @@ void inverse_fft(const FftGrid& grid, std::complex<float>* spectrum, float* plan
 }
 void inverse_fft(const FftGrid& grid, std::complex<double>* spectrum, double* plane) {
   PARIAN_FFT_CALL(inverse_double, grid, spectrum, plane);
+}
+void forward_fft_padded(const FftGrid& grid, const float* padded, std::complex<float>* spectrum) {
+  PARIAN_FFT_CALL(forward_float, grid, padded, grid.padded_width, grid.padded_height, spectrum);
 }
 void forward_fft_padded(const FftGrid& grid, const double* padded, std::complex<double>* spectrum) {
   PARIAN_FFT_CALL(forward_double, grid, padded, grid.padded_width, grid.padded_height, spectrum);

@@ -37,6 +37,7 @@ void inverse_fft(const FftGrid& grid, std::complex<double>* spectrum, double* pl
 
 // Forward transform of a full padded_height x padded_width grid, for kernels that are centred on
 // index (0, 0) and wrap around.
+void forward_fft_padded(const FftGrid& grid, const float* padded, std::complex<float>* spectrum);
 void forward_fft_padded(const FftGrid& grid, const double* padded, std::complex<double>* spectrum);
 
 }  // namespace parian

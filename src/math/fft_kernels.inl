@@ -57,8 +57,9 @@ void inverse(const FftGrid& grid, std::complex<Real>* spectrum, Real* plane) {
   }
 }
 
-void forward_float(const FftGrid& grid, const float* plane, std::complex<float>* spectrum) {
-  forward(grid, plane, grid.width, grid.height, spectrum);
+void forward_float(const FftGrid& grid, const float* plane, int width, int height,
+                   std::complex<float>* spectrum) {
+  forward(grid, plane, width, height, spectrum);
 }
 void forward_double(const FftGrid& grid, const double* plane, int width, int height,
                     std::complex<double>* spectrum) {

@@ -62,13 +62,17 @@ void RawFile::write(std::uint64_t address, const void* data, std::size_t bytes) 
 }
 
 void RawFile::reserve(std::uint64_t bytes) const {
-  if (bytes == 0) return;
-  // Where the file system cannot reserve, a full disk shows when it is written.
-  while (::fallocate(fd_, 0, 0, static_cast<off_t>(bytes)) != 0) {
+  while (::fallocate(fd_, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(bytes)) != 0) {
     if (errno == EINTR) continue;
     if (errno == ENOSPC || errno == EDQUOT || errno == EFBIG) throw_write_error(name_, errno);
     return;
   }
+}
+
+void RawFile::trim() const {
+  struct stat status {};
+  if (::fstat(fd_, &status) != 0 || ::ftruncate(fd_, status.st_size) != 0)
+    throw_write_error(name_, errno);
 }
 
 }  // namespace parian

@@ -22,8 +22,11 @@ class RawFile {
   // Thread-safe; throw Error, on a short read too.
   void read(std::uint64_t address, void* data, std::size_t bytes) const;
   void write(std::uint64_t address, const void* data, std::size_t bytes) const;
-  // Claims the disk space of the whole file, so that a full disk shows at once and not at the end.
+  // Claims disk space for the first `bytes`, so that a full disk shows now and not when they are
+  // written; the file's size stays. Nothing where the file system cannot do that.
   void reserve(std::uint64_t bytes) const;
+  // Gives back what was claimed beyond the end of the file.
+  void trim() const;
 
  private:
   int fd_ = -1;

@@ -206,9 +206,13 @@ TEST_F(BadTable, ChunksThatWereNeverWritten) {
       H5Dwrite(dataset.get(), H5T_NATIVE_FLOAT, memory.get(), space.get(), H5P_DEFAULT,
                slice_of(table, 0, 0));
     });
-    EXPECT_EQ(error, nan_fill ? "no error"
-                              : "reflectance[0][1]: expected written values, found a chunk that "
-                                "was never written");
+    // Slices are read by several threads: any of those that are missing may be named.
+    if (nan_fill) {
+      EXPECT_EQ(error, "no error");
+    } else {
+      EXPECT_THAT(error, testing::MatchesRegex("reflectance.[0-9]..[0-9].: expected written "
+                                               "values, found a chunk that was never written"));
+    }
   }
 }
 

@@ -120,6 +120,7 @@ void TableSink::write_slice(int channel, int offset_index, const float* slice) {
 
 void TableSink::write_through_hdf5(int channel, int offset_index) {
   const Guard guard;
+  file_.reserve(buffer_.size() * sizeof(float));
   const hsize_t start[4] = {static_cast<hsize_t>(channel), static_cast<hsize_t>(offset_index), 0,
                             0};
   const hsize_t count[4] = {1, 1, static_cast<hsize_t>(header_.height),

@@ -26,8 +26,8 @@ NewFile::~NewFile() {
   ::unlink(temporary_.c_str());
 }
 
-// HDF5 cannot close a file, nor its own library at exit, whose metadata it cannot write: what is
-// given up is led to memory instead, where every write succeeds.
+// Where disk space cannot be reserved, HDF5 meets a full disk after all: what is given up is led
+// to memory, where the writes that closing needs succeed.
 void NewFile::let_go() {
   const Guard guard;
   void* descriptor = nullptr;
@@ -64,6 +64,16 @@ void NewFile::create() {
   const Guard guard;
   file_ =
       Id(check(H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT)), H5Fclose);
+  raw_.emplace(temporary_, RawFile::Mode::write, path_);
+  reserve(0);
+}
+
+void NewFile::reserve(std::uint64_t bytes) {
+  constexpr std::uint64_t metadata = std::uint64_t{64} << 10u;
+  const Guard guard;
+  hsize_t size = 0;
+  check(H5Fget_filesize(file_.get(), &size));
+  raw_->reserve(size + bytes + metadata);
 }
 
 void NewFile::write_attribute(const char* name, hid_t type, const std::vector<double>* values,
@@ -82,6 +92,7 @@ void NewFile::write_attribute(const char* name, hid_t type, const std::vector<do
 void NewFile::write_text(const char* name, const std::string& text) {
   if (text.empty()) return;
   const Guard guard;
+  reserve(text.size());
   const Id type(check(H5Tcopy(H5T_C_S1)), H5Tclose);
   check(H5Tset_size(type.get(), H5T_VARIABLE));
   check(H5Tset_cset(type.get(), H5T_CSET_UTF8));
@@ -113,6 +124,9 @@ void NewFile::write_numbers(const char* name, const std::vector<double>& values)
 void NewFile::add_dataset(const char* name, hid_t type, const std::vector<hsize_t>& shape,
                           const void* data) {
   const Guard guard;
+  std::size_t bytes = H5Tget_size(type);
+  for (const hsize_t size : shape) bytes *= static_cast<std::size_t>(size);
+  reserve(bytes);
   const Id plist(check(H5Pcreate(H5P_DATASET_CREATE)), H5Pclose);
   check(H5Pset_alloc_time(plist.get(), H5D_ALLOC_TIME_EARLY));
   check(H5Pset_fill_time(plist.get(), H5D_FILL_TIME_NEVER));
@@ -123,8 +137,6 @@ void NewFile::add_dataset(const char* name, hid_t type, const std::vector<hsize_
                    H5Dclose);
   const haddr_t address = H5Dget_offset(dataset.get());
   PARIAN_CHECK(address != HADDR_UNDEF);
-  std::size_t bytes = H5Tget_size(type);
-  for (const hsize_t size : shape) bytes *= static_cast<std::size_t>(size);
   pending_.push_back({address, data, bytes});
 }
 
@@ -142,6 +154,8 @@ Id NewFile::add_chunked(const char* name, const std::vector<hsize_t>& shape,
     check(H5Pset_deflate(plist.get(), static_cast<unsigned>(deflate)));
   } else {
     check(H5Pset_alloc_time(plist.get(), H5D_ALLOC_TIME_EARLY));
+    // A chunk of one slice and, at most, two entries of 56 bytes in the chunk index.
+    reserve(shape[0] * shape[1] * (shape[2] * shape[3] * sizeof(float) + 112));
   }
   // Chunks are written whole and once: caching them would only copy them.
   const Id access(check(H5Pcreate(H5P_DATASET_ACCESS)), H5Pclose);
@@ -153,15 +167,12 @@ Id NewFile::add_chunked(const char* name, const std::vector<hsize_t>& shape,
 }
 
 void NewFile::close_hdf5() {
-  {
-    const Guard guard;
-    // A flush that fails leaves the file open and whole in memory; a close that fails does not.
-    check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
-    if (!file_.close()) check(-1);
-  }
-  const RawFile raw(temporary_, RawFile::Mode::write, path_);
-  raw.reserve(raw.size());
-  for (const PendingValues& values : pending_) raw.write(values.address, values.data, values.bytes);
+  const Guard guard;
+  check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
+  if (!file_.close()) check(-1);
+  for (const PendingValues& values : pending_)
+    raw_->write(values.address, values.data, values.bytes);
+  raw_->trim();
 }
 
 void NewFile::commit() {

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "io/hdf5/handle_internal.h"
+#include "io/hdf5/raw_file_internal.h"
 
 namespace parian::hdf5 {
 
@@ -37,6 +39,10 @@ class NewFile {
                    const void* data);
   Id add_chunked(const char* name, const std::vector<hsize_t>& shape,
                  const std::vector<hsize_t>& chunk, int deflate);
+  // Before HDF5 writes up to `bytes` of values and some metadata: throws Error(resource) when the
+  // disk has no room for them. HDF5 1.10 cannot close a file whose flush has failed and crashes the
+  // program at exit, so it must not meet a full disk itself.
+  void reserve(std::uint64_t bytes);
   // Flushes and closes HDF5's part, then writes the pending values; the temporary file is complete
   // but for what the caller itself writes to raw addresses.
   void close_hdf5();
@@ -56,6 +62,7 @@ class NewFile {
   std::string temporary_;
   bool committed_ = false;
   std::vector<PendingValues> pending_;
+  std::optional<RawFile> raw_;
   Id file_;
 };
 
