@@ -39,11 +39,7 @@ Image draw_line(const Line& line, const Image& values, const ColorScale& scale,
 }
 
 void mark(Image& panel, const Line& line, int x, int d, Color color) {
-  const Point centre{panel_left + (x + 0.5) * magnification,
-                     panel_top + (line.reach - d + 0.5) * magnification};
-  const Box all{0, 0, 1.0 * panel.width, 1.0 * panel.height};
-  draw_dot(panel, centre, 6, {1, 1, 1}, 1, all);
-  draw_dot(panel, centre, 4.5, color, 1, all);
+  mark_pixel(panel, x, line.reach - d, magnification, color);
 }
 
 // The sample itself along the line: its diffuse albedo as a colour.

@@ -1,5 +1,5 @@
-// bench_paper_2009 [all|table1|segments|line|points|contrast] [-o FOLDER]: prints the tables of
-// docs/fit.md and draws its pictures.
+// bench_paper_2009 [all|table1|segments|line|points|contrast] [-o FOLDER] [--docs DOCS]: prints the
+// tables of docs/fit.md and draws its pictures.
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -25,9 +25,11 @@ constexpr NamedStudy studies[] = {{"segments", study_segments},
 int show_usage() {
   std::fputs(
       "usage: bench_paper_2009 [all|table1|segments|line|points|contrast] [-o FOLDER]\n"
+      "                        [--docs DOCS]\n"
       "\n"
       "The evaluation of the SubEdit paper on simulated samples: Markdown tables to the standard\n"
-      "output and to FOLDER/*.md, pictures to FOLDER/fit-*.png (default: out/bench/paper_2009).\n",
+      "output and to FOLDER/*.md, pictures to FOLDER/fit-*.png (default: out/bench/paper_2009).\n"
+      "--docs docs brings docs/fit.md and docs/images/fit-*.png up to date.\n",
       stderr);
   return 2;
 }
@@ -39,6 +41,8 @@ int run(int argc, char** argv) {
     const std::string argument = argv[i];
     if (argument == "-o" && i + 1 < argc && study.folder.empty())
       study.folder = argv[++i];
+    else if (argument == "--docs" && i + 1 < argc && study.docs.empty())
+      study.docs = argv[++i];
     else if (chosen.empty() && argument[0] != '-')
       chosen = argument;
     else
@@ -50,6 +54,7 @@ int run(int argc, char** argv) {
   for (const NamedStudy& each : studies) known = known || chosen == each.name;
   if (!known) return show_usage();
   std::filesystem::create_directories(study.folder);
+  if (!study.docs.empty()) std::filesystem::create_directories(study.docs + "/images");
   for (const NamedStudy& each : studies)
     if (chosen == "all" || chosen == each.name) each.run(study);
   return 0;

@@ -127,13 +127,13 @@ Image colorize(const Image& values, const ColorScale& scale, int magnification) 
 
 Image draw_panel(const Panel& panel) {
   const int below = panel.x_label.empty() ? 2 : 40, right = 14;
-  Image image = make_image(panel_left + panel.picture.width + right,
+  Image image = make_image(panel.margin_left + panel.picture.width + right,
                            panel_top + panel.picture.height + below, 3, 1);
-  const Box box{panel_left, panel_top, 1.0 * panel_left + panel.picture.width,
+  const Box box{1.0 * panel.margin_left, panel_top, 1.0 * panel.margin_left + panel.picture.width,
                 1.0 * panel_top + panel.picture.height};
-  paste(image, panel.picture, panel_left, panel_top);
+  paste(image, panel.picture, panel.margin_left, panel_top);
   frame(image, box);
-  draw_text(image, {panel_left, 9}, panel.title, text_scale, ink);
+  draw_text(image, {1.0 * panel.margin_left, 9}, panel.title, text_scale, ink);
   draw_x_axis(image, panel, box);
   draw_y_axis(image, panel, box);
   return image;
@@ -160,6 +160,25 @@ Image draw_color_bar(const ColorScale& scale, int height) {
   draw_text(image,
             {label_at, std::round(panel_top + (height + text_width(scale.label, text_scale)) / 2)},
             scale.label, text_scale, ink, true);
+  return image;
+}
+
+void mark_pixel(Image& panel, double x, double y, int magnification, Color color) {
+  const Point centre{panel_margin + (x + 0.5) * magnification,
+                     panel_top + (y + 0.5) * magnification};
+  const Box all{0, 0, 1.0 * panel.width, 1.0 * panel.height};
+  draw_dot(panel, centre, 6, {1, 1, 1}, 1, all);
+  draw_dot(panel, centre, 4.5, color, 1, all);
+}
+
+Image draw_legend(const std::vector<LegendEntry>& entries, int width) {
+  Image image = make_image(width, 20, 3, 1);
+  double x = panel_margin;
+  for (const LegendEntry& entry : entries) {
+    fill_box(image, {x, 8, x + 22, 11}, entry.color);
+    draw_text(image, {x + 28, 5}, entry.label, text_scale, ink);
+    x += 28 + std::ceil(text_width(entry.label, text_scale)) + 20;
+  }
   return image;
 }
 

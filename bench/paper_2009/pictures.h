@@ -33,15 +33,26 @@ Color color_of(const ColorScale& scale, double value);
 // One channel of values as colours, magnified.
 Image colorize(const Image& values, const ColorScale& scale, int magnification);
 
+inline constexpr int panel_margin = 58, panel_top = 26;
 struct Panel {
   Image picture;
   std::string title, x_label, y_label;  // empty: neither label nor tick labels of that axis
   double left = 0, right = 1, top = 0, bottom = 1;  // what the edges stand for
+  // The picture begins at (margin_left, panel_top) of the result.
+  int margin_left = panel_margin;
 };
-// The picture begins at panel_left, panel_top of the result.
-inline constexpr int panel_left = 58, panel_top = 26;
 Image draw_panel(const Panel& panel);
 Image draw_color_bar(const ColorScale& scale, int height);
+
+// A dot with a white rim at a pixel of a panel's picture.
+void mark_pixel(Image& panel, double x, double y, int magnification, Color color);
+
+// Coloured strokes with their meaning in one row, for plots without an empty corner.
+struct LegendEntry {
+  std::string label;
+  Color color;
+};
+Image draw_legend(const std::vector<LegendEntry>& entries, int width);
 
 // Rows of images, each aligned at the top, on white.
 Image arrange(const std::vector<std::vector<Image>>& rows, int gap = 10);

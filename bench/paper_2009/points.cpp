@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "bench/paper_2009/pictures.h"
 #include "bench/paper_2009/study.h"
 #include "judge/plot.h"
+#include "judge/row_sums.h"
 #include "material/material.h"
 
 namespace parian::paper_2009 {
@@ -22,9 +25,9 @@ struct PointOfInterest {
   Color data_color, profile_color;
 };
 constexpr PointOfInterest points[] = {
-    {"a: middle of a dark square", {97, 124}, {0.9f, 0.55f, 0.4f}, {0.5f, 0.06f, 0.01f}},
-    {"b: middle of a white square", {124, 124}, {0.45f, 0.6f, 0.95f}, {0.01f, 0.05f, 0.5f}},
-    {"c: white, at a dark square", {113, 124}, {0.45f, 0.8f, 0.45f}, {0, 0.2f, 0.02f}}};
+    {"a (dark)", {97, 124}, {0.9f, 0.55f, 0.4f}, {0.5f, 0.06f, 0.01f}},
+    {"b (white)", {124, 124}, {0.45f, 0.6f, 0.95f}, {0.01f, 0.05f, 0.5f}},
+    {"c (edge)", {113, 124}, {0.45f, 0.8f, 0.45f}, {0, 0.2f, 0.02f}}};
 
 // The windows around a pixel: [y][x] over offsets, NaN outside of the disc.
 struct Windows {
@@ -52,29 +55,26 @@ Windows cut_windows(const BssrdfTable& table, const ProfileMap& map, PlotPixel p
   return windows;
 }
 
-double rms(const Image& image) {
+// Root mean square of ln(a / b) within the distance.
+double log_rms(const Image& a, const Image& b, double within_px) {
   double sum = 0;
-  std::size_t count = 0;
-  for (const float value : image.values)
-    if (!std::isnan(value)) {
-      sum += static_cast<double>(value) * static_cast<double>(value);
+  int count = 0;
+  const int reach = a.width / 2;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x) {
+      const double ratio = std::log(at(a, x, y, 0) / at(b, x, y, 0));
+      if (std::isnan(ratio) || length_px({x - reach, y - reach}) > within_px) continue;
+      sum += ratio * ratio;
       ++count;
     }
-  return std::sqrt(sum / static_cast<double>(count));
-}
-
-double log_distance(const Image& a, const Image& b) {
-  Image ratio = a;
-  for (std::size_t i = 0; i < ratio.values.size(); ++i)
-    ratio.values[i] = std::log(a.values[i] / b.values[i]);
-  return rms(ratio);
+  return std::sqrt(sum / count);
 }
 
 Image draw_window(const Image& values, const ColorScale& scale, const std::string& title,
-                  double pitch) {
+                  double pitch, bool first, bool last) {
   const double edge = values.width / 2.0 * pitch;
-  return draw_panel({colorize(values, scale, magnification), title, "dx [mm]", "dy [mm]", -edge,
-                     edge, -edge, edge});
+  return draw_panel({colorize(values, scale, magnification), title, last ? "dx [mm]" : "",
+                     first ? "dy [mm]" : "", -edge, edge, -edge, edge, first ? panel_margin : 6});
 }
 
 Image draw_windows(const BssrdfTable& table, const std::vector<Windows>& windows) {
@@ -84,21 +84,54 @@ Image draw_windows(const BssrdfTable& table, const std::vector<Windows>& windows
     for (const float value : each.data.values) max = std::max(max, value);
   const ColorScale scale = log_scale(max, decades, "[1/mm^2]");
   const ColorScale errors = diverging_scale(0.5, "ln(model / data)");
-  std::vector<std::vector<Image>> rows(4);
-  const char* const titles[] = {"data", "model", "error", "its profile"};
-  for (std::size_t i = 0; i < windows.size(); ++i) {
-    const Windows& w = windows[i];
-    const Image* const images[] = {&w.data, &w.model, &w.ratio, &w.profile};
-    for (std::size_t row = 0; row < rows.size(); ++row)
-      rows[row].push_back(draw_window(
-          *images[row], row == 2 ? errors : scale,
-          row == 0 ? points[i].name : fmt::format("{}: {}", points[i].name[0], titles[row]),
-          pitch));
+  struct Row {
+    const char* title;
+    Image Windows::*image;
+    const ColorScale& scale;
+  };
+  const Row rows[] = {{"data", &Windows::data, scale},
+                      {"its profile", &Windows::profile, scale},
+                      {"model", &Windows::model, scale},
+                      {"ln(model / data)", &Windows::ratio, errors}};
+  std::vector<std::vector<Image>> page;
+  for (const Row& row : rows) {
+    page.emplace_back();
+    for (std::size_t i = 0; i < windows.size(); ++i)
+      page.back().push_back(draw_window(windows[i].*row.image, row.scale,
+                                        fmt::format("{}: {}", points[i].name, row.title), pitch,
+                                        i == 0, &row == std::end(rows) - 1));
+    page.back().push_back(draw_color_bar(row.scale, windows[0].data.height * magnification));
   }
-  for (std::size_t row = 0; row < rows.size(); ++row)
-    rows[row].push_back(
-        draw_color_bar(row == 2 ? errors : scale, windows[0].data.height * magnification));
-  return arrange(rows, 6);
+  return arrange(page, 6);
+}
+
+Image crop(const Image& image, PlotPixel corner, int size) {
+  Image part = make_image(size, size, image.channels);
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x)
+      for (int c = 0; c < image.channels; ++c)
+        at(part, x, y, c) = at(image, corner.x + x, corner.y + y, c);
+  return part;
+}
+
+// A part of the sample with the points, and where the model errs.
+Image draw_sample(const BssrdfTable& table, const Image& errors) {
+  constexpr int enlarged = 3, size = 128;
+  constexpr PlotPixel corner{56, 60};
+  const double pitch = table.header.pixel_pitch_mm;
+  const auto draw = [&](const Image& picture, const char* title, bool first) {
+    return draw_panel({magnify(crop(picture, corner, size), enlarged), title, "x [mm]",
+                       first ? "y [mm]" : "", corner.x * pitch, (corner.x + size) * pitch,
+                       corner.y * pitch, (corner.y + size) * pitch, first ? panel_margin : 6});
+  };
+  Image sample = draw(measure_row_sums(*make_slices(table)).albedo, "albedo of the data", true);
+  for (const PointOfInterest& point : points)
+    mark_pixel(sample, point.pixel.x - corner.x, point.pixel.y - corner.y, enlarged,
+               point.profile_color);
+  const ColorScale scale{0, 0.35, false, false, "relative error"};
+  return arrange({{sample, draw(colorize(errors, scale, 1), "relative error per pixel", false),
+                   draw_color_bar(scale, size * enlarged)}},
+                 4);
 }
 
 // All three in one plot: the data scatter, the profiles do not.
@@ -134,6 +167,28 @@ Image draw_profiles(const BssrdfTable& table, const ProfileMap& map,
   return draw_plot(plot);
 }
 
+void write_distances(const Study& study, const std::vector<Windows>& windows, const Image& errors) {
+  MarkdownTable out{{"point", "pixel's relative error", "ln(model / data)", "data, r <= 2 mm",
+                     "profiles, r <= 2 mm", "data, r <= 6 mm", "profiles, r <= 6 mm"},
+                    {}};
+  const Windows& b = windows[1];
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    const Windows& w = windows[i];
+    const PlotPixel pixel = points[i].pixel;
+    out.rows.push_back({points[i].name,
+                        fmt::format("{:.4f}", static_cast<double>(at(errors, pixel.x, pixel.y, 0))),
+                        fmt::format("{:.3f}", log_rms(w.model, w.data, 24))});
+    for (const double within_px : {8.0, 24.0})
+      for (const auto& [image, image_b] : {std::pair{&w.data, &b.data}, {&w.profile, &b.profile}})
+        out.rows.back().push_back(
+            i == 1 ? "" : fmt::format("{:.3f}", log_rms(*image, *image_b, within_px)));
+  }
+  write_table(study, "points",
+              "Root mean squares of logarithms, green: of ln(model / data) around each point, and "
+              "of how far data and profiles around it are from those of b.",
+              out);
+}
+
 }  // namespace
 
 void study_points(Study& study) {
@@ -146,6 +201,7 @@ void study_points(Study& study) {
     windows.push_back(cut_windows(table, map, point.pixel));
     pixels.push_back(point.pixel);
   }
+  write_picture(study, "points-sample", draw_sample(table, judged.errors.error_image));
   write_picture(study, "points", draw_windows(table, windows));
   write_picture(study, "points-profiles", draw_profiles(table, map, windows));
   const Material material = map;
@@ -154,20 +210,7 @@ void study_points(Study& study) {
   for (std::size_t i = 0; i < plots.size(); ++i)
     write_picture(study, fmt::format("point-{}", points[i].name[0]), plots[i]);
 
-  MarkdownTable out{{"point", "relative error of the pixel", "log RMS, model / data",
-                     "log RMS to b: data", "log RMS to b: profiles"},
-                    {}};
-  for (std::size_t i = 0; i < windows.size(); ++i)
-    out.rows.push_back(
-        {points[i].name,
-         fmt::format("{:.4f}", static_cast<double>(
-                                   at(judged.errors.error_image, pixels[i].x, pixels[i].y, 0))),
-         fmt::format("{:.3f}", rms(windows[i].ratio)),
-         i == 1 ? "" : fmt::format("{:.3f}", log_distance(windows[i].data, windows[1].data)),
-         i == 1 ? ""
-                : fmt::format("{:.3f}", log_distance(windows[i].profile, windows[1].profile))});
-  write_table(study, "points",
-              "Over the window of 24 px, green; the relative error over all three channels.", out);
+  write_distances(study, windows, judged.errors.error_image);
 }
 
 }  // namespace parian::paper_2009

@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <utility>
 
+#include "bench/paper_2009/pictures.h"
 #include "bench/paper_2009/study.h"
 #include "io/hdf5/table_file.h"
 #include "judge/plot.h"
@@ -17,7 +19,7 @@ struct Series {
   std::array<float, 3> color, light;
 };
 constexpr Series series[] = {
-    {"chessboard, 96 x 96 of it", {0.02f, 0.09f, 0.65f}, {0.45f, 0.55f, 0.95f}},
+    {"chessboard, 96 x 96 px", {0.02f, 0.09f, 0.65f}, {0.45f, 0.55f, 0.95f}},
     {"artificial stone", {0.75f, 0.16f, 0.01f}, {0.95f, 0.6f, 0.4f}},
     {"stone-72x64.h5", {0.01f, 0.3f, 0.06f}, {0.4f, 0.75f, 0.45f}}};
 
@@ -85,19 +87,21 @@ void add_segments(MarkdownTable& out, Curves& curves, const BssrdfTable& table, 
 }
 
 void study_lambda(Study& study) {
-  MarkdownTable table{{"lambda"}, {}};
+  MarkdownTable table{{"n", "lambda"}, {}};
   append(table.header, error_columns);
   const BssrdfTable& stone = get_sample(study, "artificial-stone");
-  for (const double lambda : {0.0, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0}) {
-    FitParams params;
-    params.segments = 24;
-    params.lambda = lambda;
-    std::vector<std::string> row{fmt::format("{}", lambda)};
-    append(row, error_cells(fit_thrice(stone, params)));
-    table.rows.push_back(std::move(row));
+  for (const int n : {17, 24}) {
+    std::string first = fmt::format("{}", n);
+    for (const double lambda : {0.0, 0.01, 0.1, 0.3, 1.0, 3.0}) {
+      FitParams params;
+      params.segments = n;
+      params.lambda = lambda;
+      std::vector<std::string> row{std::exchange(first, ""), fmt::format("{}", lambda)};
+      append(row, error_cells(fit_thrice(stone, params)));
+      table.rows.push_back(std::move(row));
+    }
   }
-  write_table(study, "lambda",
-              "Simulated artificial stone, radius 17 px, n = 24: means over pixels against lambda.",
+  write_table(study, "lambda", "Artificial stone (simulated), radius 17 px, against lambda.",
               table);
 }
 
@@ -111,20 +115,20 @@ void study_segments(Study& study) {
             .log_y = true,
             .width = 720,
             .height = 480};
+  std::vector<LegendEntry> legend;
   for (int i = 0; i < 3; ++i) {
-    Curves curves{.all = {.label = series[i].name, .color = series[i].color},
+    Curves curves{.all = {.color = series[i].color},
                   .unprojected = {.color = series[i].light, .size = 1.5},
                   .held = {.color = series[i].color, .points = true, .size = 7}};
-    if (i == 2) curves.unprojected.label = "not projected";
-    if (i == 2) curves.held.label = "5 % held out of the fit";
+    legend.push_back({series[i].name, series[i].color});
     add_segments(table, curves, load_series(study, i), series[i].name);
     for (PlotSeries* line : {&curves.unprojected, &curves.all, &curves.held})
       plot.series.push_back(std::move(*line));
   }
   write_table(study, "segments",
-              "Means over pixels. \"Held out\": of 5 % of the pairs, of a fit without them.",
-              table);
-  write_picture(study, "segments", draw_plot(plot));
+              "Against the number of segments n (all simulated); radius 24, 17 and 14 px.", table);
+  write_picture(study, "segments",
+                arrange({{draw_legend(legend, plot.width)}, {draw_plot(plot)}}, 0));
   study_lambda(study);
 }
 

@@ -68,6 +68,16 @@ std::string format_row(const std::vector<std::string>& cells) {
   return row + '\n';
 }
 
+void replace_in_page(const std::string& path, const std::string& name, const std::string& text) {
+  std::string page = read_file(path, std::size_t{1} << 24u);
+  const std::string open = "<!-- " + name + " -->\n", close = "<!-- /" + name + " -->";
+  const std::size_t begin = page.find(open), end = page.find(close);
+  if (begin == std::string::npos || end == std::string::npos || end < begin)
+    throw Error({path, {}, open + close, "none"});
+  page.replace(begin + open.size(), end - begin - open.size(), text);
+  write_text(path, page);
+}
+
 }  // namespace
 
 void write_table(const Study& study, const std::string& name, const std::string& text,
@@ -79,10 +89,12 @@ void write_table(const Study& study, const std::string& name, const std::string&
   std::printf("%s\n", markdown.c_str());
   std::fflush(stdout);
   write_text(study.folder + '/' + name + ".md", markdown);
+  if (!study.docs.empty()) replace_in_page(study.docs + "/fit.md", name, markdown);
 }
 
 void write_picture(const Study& study, const std::string& name, const Image& image) {
-  const std::string path = study.folder + "/fit-" + name + ".png";
+  const std::string folder = study.docs.empty() ? study.folder : study.docs + "/images";
+  const std::string path = folder + "/fit-" + name + ".png";
   save_image(path, image);
   std::fprintf(stderr, "%s\n", path.c_str());
 }

@@ -14,6 +14,7 @@ namespace parian::paper_2009 {
 
 struct Study {
   std::string folder;  // of the pictures and tables
+  std::string docs;    // where docs/fit.md is to be brought up to date; may be empty
   // The sample that was asked for last: the large ones are too large to keep, or to make twice.
   std::string sample;
   BssrdfTable table;
@@ -42,10 +43,11 @@ struct MarkdownTable {
   std::vector<std::string> header;  // the first column is text, the others are numbers
   std::vector<std::vector<std::string>> rows;
 };
-// Prints `text` and the table, and writes both to FOLDER/<name>.md.
+// Prints `text` and the table, and writes both to FOLDER/<name>.md and between the page's
+// <!-- name --> and <!-- /name -->.
 void write_table(const Study& study, const std::string& name, const std::string& text,
                  const MarkdownTable& table);
-// Writes FOLDER/fit-<name>.png.
+// Writes fit-<name>.png to FOLDER, or to the images of the docs.
 void write_picture(const Study& study, const std::string& name, const Image& image);
 
 void study_table1(Study& study);

@@ -56,6 +56,7 @@ std::vector<std::string> error_row(const std::string& sample, const std::string&
           fmt::format("{:.3f} / {:.3f} / {:.3f}", l2.min, l2.mean, l2.max),
           fmt::format("{:.3f}", judged.errors.relative_error_l1.mean),
           fmt::format("{:.4f}", judged.errors.albedo_error_mean),
+          fmt::format("{:.3f}", judged.errors.log_rms),
           fmt::format("{:.1f}", judged.errors.psnr_db.line),
           published};
 }
@@ -63,12 +64,13 @@ std::vector<std::string> error_row(const std::string& sample, const std::string&
 }  // namespace
 
 void study_table1(Study& study) {
-  MarkdownTable sizes{{"sample", "pixels", "radius, px", "table, MiB", "2009: table", "map, MiB",
-                       "n of n+1 knots", "2009: map", "fit, s", "2009: fit, min"},
+  MarkdownTable sizes{{"sample", "pixels", "radius, px", "table, MiB", "2009: table",
+                       "map, n + 1 knots", "map, n knots", "2009: map", "fit, s", "2009: fit, min"},
                       {}};
-  MarkdownTable errors{{"sample", "fit", "n", "fit, s", "relative error min / mean / max",
-                        "mean in L1", "mean albedo error", "PSNR line, dB", "2009: error"},
-                       {}};
+  MarkdownTable errors{
+      {"sample", "fit", "n", "fit, s", "relative error min / mean / max", "mean in L1",
+       "mean albedo error", "log RMS", "PSNR under a line, dB", "2009: relative error"},
+      {}};
   for (const Published& published : rows) {
     const BssrdfTable& table = get_sample(study, published.sample);
     const Judged paper = fit_and_judge(table, paper_params());
@@ -78,13 +80,14 @@ void study_table1(Study& study) {
     errors.rows.push_back(error_row("", "defaults", defaults, ""));
   }
   write_table(study, "table1-sizes",
-              "Simulated samples (onyx: of the 2019 paper) beside the published figures for the "
-              "measured ones; n = 24, fit as in 2009.",
+              "Sizes in MiB and times: our simulated samples beside the published measured ones; "
+              "n = 24, settings of 2009.",
               sizes);
-  write_table(study, "table1-errors",
-              "Simulated tables: the errors cannot be compared one to one with the published ones, "
-              "which are of measured tables.",
-              errors);
+  write_table(
+      study, "table1-errors",
+      "Errors on our simulated samples; the published ones are of measured samples and cannot "
+      "be compared with them one to one.",
+      errors);
 }
 
 }  // namespace parian::paper_2009

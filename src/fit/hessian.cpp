@@ -47,9 +47,11 @@ void transform_kernel(const ReducedSystem& system, const WeightTerm& term, const
     taps[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] +=
         static_cast<Real>(value);
   });
-  std::vector<std::complex<Real>> spectrum(grid.spectrum_size());
+  AlignedVector<Real> spectrum(2 * grid.frequencies<Real>());
   forward_fft_padded(grid, taps.data(), spectrum.data());
-  for (std::size_t f = 0; f < spectrum.size(); ++f) kernel[f] = spectrum[f].real();
+  constexpr std::size_t lanes = spectrum_lanes<Real>;
+  for (std::size_t f = 0; f < grid.frequencies<Real>(); ++f)
+    kernel[f] = spectrum[f / lanes * 2 * lanes + f % lanes];
 }
 
 // K * 1 inside the grid: sums of K over the rectangle of offsets that stay inside, from a
@@ -81,12 +83,13 @@ void add_box_sums(const ReducedSystem& system, const WeightTerm& term, Offset re
 
 // u (K * u) for a term with pixel factors. target += the result.
 void add_masked_sums(const ReducedSystem& system, const WeightTerm& term, const FftGrid& grid,
-                     const std::vector<std::complex<double>>& u_spectrum, std::size_t j,
-                     double* target) {
-  std::vector<double> kernel(grid.spectrum_size()), block(system.pixels());
+                     const AlignedVector<double>& u_spectrum, std::size_t j, double* target) {
+  std::vector<double> kernel(grid.frequencies<double>()), block(system.pixels());
   transform_kernel(system, term, grid, j, kernel.data());
-  std::vector<std::complex<double>> spectrum(u_spectrum);
-  for (std::size_t f = 0; f < spectrum.size(); ++f) spectrum[f] *= kernel[f];
+  AlignedVector<double> spectrum(u_spectrum);
+  constexpr std::size_t lanes = spectrum_lanes<double>;
+  for (std::size_t i = 0; i < spectrum.size(); ++i)
+    spectrum[i] *= kernel[i / (2 * lanes) * lanes + i % lanes];
   inverse_fft(grid, spectrum.data(), block.data());
   for (std::size_t x = 0; x < block.size(); ++x)
     target[x] += static_cast<double>(term.u[x]) * block[x];
@@ -95,17 +98,18 @@ void add_masked_sums(const ReducedSystem& system, const WeightTerm& term, const 
 void add_term(const ReducedSystem& system, const WeightTerm& term, Offset reach, bool exact,
               Hessian& hessian) {
   const FftGrid& grid = hessian.grid;
-  const std::size_t planes = 2 * hessian.knots - 1, size = grid.spectrum_size();
-  std::vector<std::complex<double>> u_spectrum(term.u.empty() ? 0 : size);
+  const std::size_t planes = 2 * hessian.knots - 1;
+  const std::size_t size = grid.frequencies<float>(), exact_size = grid.frequencies<double>();
+  AlignedVector<double> u_spectrum(term.u.empty() ? 0 : 2 * exact_size);
   if (!term.u.empty()) {
     const std::vector<double> u(term.u.begin(), term.u.end());
     forward_fft(grid, u.data(), u_spectrum.data());
   }
   std::vector<float>& single = hessian.kernels_single.emplace_back(planes * size);
-  if (exact) hessian.kernels.emplace_back(planes * size);
+  if (exact) hessian.kernels.emplace_back(planes * exact_size);
   parallel_for(planes, [&](std::size_t j) {
     transform_kernel(system, term, grid, j, &single[j * size]);
-    if (exact) transform_kernel(system, term, grid, j, &hessian.kernels.back()[j * size]);
+    if (exact) transform_kernel(system, term, grid, j, &hessian.kernels.back()[j * exact_size]);
     double* target =
         (j % 2 == 0 ? hessian.diagonal : hessian.coupling).data() + j / 2 * system.pixels();
     if (term.u.empty()) {
@@ -122,7 +126,7 @@ ProductMethod choose_method(const ReducedSystem& system, const FftGrid& grid) {
   const double pairs =
       static_cast<double>(system.offsets.size()) * static_cast<double>(system.pixels());
   const double transforms = 2.0 * static_cast<double>(system.knots() * system.weights.size()) * 2 *
-                            static_cast<double>(grid.spectrum_size());
+                            static_cast<double>(grid.frequencies<float>());
   return pairs < transforms ? ProductMethod::explicit_ : ProductMethod::fft;
 }
 
@@ -150,17 +154,16 @@ const Real* kernels_of(const Hessian& hessian, std::size_t q) {
 // In place, for each frequency: the tridiagonal matrix of kernel values times the vector over
 // knots.
 template <typename Real>
-void multiply_frequencies(const Real* kernels, std::size_t size, std::size_t knots,
-                          std::complex<Real>* spectrum, std::size_t begin, std::size_t end) {
+void multiply_frequencies(const Real* kernels, std::size_t size, std::size_t knots, Real* spectrum,
+                          std::size_t begin, std::size_t end) {
   static constexpr Real zeros[2 * frequency_block] = {};
   Real previous[2 * frequency_block];
   const std::size_t count = end - begin;
   std::fill_n(previous, 2 * count, Real(0));
   for (std::size_t k = 0; k < knots; ++k) {
-    auto* here = reinterpret_cast<Real*>(spectrum + k * size + begin);
+    Real* here = spectrum + 2 * (k * size + begin);
     const bool last = k + 1 == knots;
-    const auto* above =
-        last ? zeros : reinterpret_cast<const Real*>(spectrum + (k + 1) * size + begin);
+    const Real* above = last ? zeros : spectrum + 2 * ((k + 1) * size + begin);
     const Real* diagonal = kernels + 2 * k * size + begin;
     const Real* up = last ? diagonal : kernels + (2 * k + 1) * size + begin;
     const Real* down = k == 0 ? diagonal : kernels + (2 * k - 1) * size + begin;
@@ -169,9 +172,10 @@ void multiply_frequencies(const Real* kernels, std::size_t size, std::size_t kno
 }
 
 template <typename Real>
-std::complex<Real>* spectrum_of(HessianWorkspace& workspace, std::size_t size) {
-  if (workspace.spectrum.size() < size) workspace.spectrum.resize(size);
-  return reinterpret_cast<std::complex<Real>*>(workspace.spectrum.data());
+Real* spectrum_of(HessianWorkspace& workspace, std::size_t values) {
+  const std::size_t doubles = (values * sizeof(Real) + sizeof(double) - 1) / sizeof(double);
+  if (workspace.spectrum.size() < doubles) workspace.spectrum.resize(doubles);
+  return reinterpret_cast<Real*>(workspace.spectrum.data());
 }
 
 template <typename Real>
@@ -225,54 +229,64 @@ void add_curvature(const ReducedSystem& system, const Real* p, Real* out) {
   });
 }
 
-// out (+)= u (K * (u p)) for one weight term; the last one adds what is local.
+// out (+)= u (K * (u p)) for one weight term; the last one adds what is local. Hooks run with the
+// first term's input and the last term's output.
 template <typename Real>
 void convolve(const ReducedSystem& system, const Hessian& hessian, std::size_t q, const Real* p,
-              Real* out, HessianWorkspace& workspace) {
+              Real* out, HessianWorkspace& workspace, const PlaneHooks& hooks) {
   const FftGrid& grid = hessian.grid;
-  const std::size_t size = grid.spectrum_size(), pixels = system.pixels(), knots = hessian.knots;
+  const std::size_t size = grid.frequencies<Real>(), pixels = system.pixels(),
+                    knots = hessian.knots;
   const std::vector<float>& u = system.weights[q].u;
-  auto* spectrum = spectrum_of<Real>(workspace, knots * size);
+  Real* spectrum = spectrum_of<Real>(workspace, 2 * knots * size);
+  const bool first = q == 0, last = q + 1 == system.weights.size();
   parallel_for(knots, [&](std::size_t k) {
-    if (u.empty()) return forward_fft(grid, p + k * pixels, spectrum + k * size);
+    if (first && hooks.before) hooks.before(k);
+    if (u.empty()) return forward_fft(grid, p + k * pixels, spectrum + 2 * k * size);
     std::vector<Real> masked(pixels);
     multiply_plane(u.data(), p + k * pixels, masked.data(), pixels);
-    forward_fft(grid, masked.data(), spectrum + k * size);
+    forward_fft(grid, masked.data(), spectrum + 2 * k * size);
   });
   parallel_for_blocks(size, frequency_block, [&](std::size_t begin, std::size_t end) {
     multiply_frequencies(kernels_of<Real>(hessian, q), size, knots, spectrum, begin, end);
   });
-  const bool last = q + 1 == system.weights.size();
   const CurvatureBands bands = curvature_bands(system);
   parallel_for(knots, [&](std::size_t k) {
     Real* target = out + k * pixels;
-    if (q == 0 && u.empty()) {
-      inverse_fft(grid, spectrum + k * size, target);
+    if (first && u.empty()) {
+      inverse_fft(grid, spectrum + 2 * k * size, target);
     } else {
       std::vector<Real> plane(pixels);
-      inverse_fft(grid, spectrum + k * size, plane.data());
+      inverse_fft(grid, spectrum + 2 * k * size, plane.data());
       if (!u.empty()) multiply_plane(u.data(), plane.data(), plane.data(), pixels);
-      for (std::size_t i = 0; i < pixels; ++i) target[i] = q == 0 ? plane[i] : target[i] + plane[i];
+      for (std::size_t i = 0; i < pixels; ++i) target[i] = first ? plane[i] : target[i] + plane[i];
     }
-    if (last)
-      add_local(bands, blocks_of<Real>(hessian), knots, pixels, k, p, out);  // while in cache
+    if (last) add_local(bands, blocks_of<Real>(hessian), knots, pixels, k, p, out);
+    if (last && hooks.after) hooks.after(k);
   });
 }
 
 template <typename Real>
 void apply(const ReducedSystem& system, const Hessian& hessian, const Real* p, Real* out,
-           HessianWorkspace& workspace) {
+           HessianWorkspace& workspace, const PlaneHooks& hooks = {}) {
   PARIAN_CHECK_EQ(hessian.knots, system.knots());
-  if (hessian.method == ProductMethod::explicit_) {
+  const bool by_convolution = hessian.method == ProductMethod::fft;
+  const bool together = by_convolution && !has_missing(system);
+  const auto run = [&](const std::function<void(std::size_t)>& hook) {
+    if (hook && !together) parallel_for(hessian.knots, hook);
+  };
+  run(hooks.before);
+  if (by_convolution) {
+    if constexpr (sizeof(Real) == sizeof(double)) PARIAN_CHECK(!hessian.kernels.empty());
+    for (std::size_t q = 0; q < system.weights.size(); ++q)
+      convolve(system, hessian, q, p, out, workspace, together ? hooks : PlaneHooks{});
+    subtract_missing(system, p, out);
+  } else {
     std::fill_n(out, system.unknowns(), Real(0));
     add_pairs(system, p, out);
     add_curvature(system, p, out);
-    return;
   }
-  if constexpr (sizeof(Real) == sizeof(double)) PARIAN_CHECK(!hessian.kernels.empty());
-  for (std::size_t q = 0; q < system.weights.size(); ++q)
-    convolve(system, hessian, q, p, out, workspace);
-  subtract_missing(system, p, out);
+  run(hooks.after);
 }
 
 }  // namespace
@@ -332,8 +346,8 @@ void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const do
   apply(system, hessian, p, out, workspace);
 }
 void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const float* p, float* out,
-                   HessianWorkspace& workspace) {
-  apply(system, hessian, p, out, workspace);
+                   HessianWorkspace& workspace, const PlaneHooks& hooks) {
+  apply(system, hessian, p, out, workspace, hooks);
 }
 
 void apply_hessian_to_constant(const ReducedSystem& system, const Hessian& hessian,

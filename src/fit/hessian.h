@@ -2,10 +2,10 @@
 // translation-invariant part as preconditioner.
 #pragma once
 
-#include <complex>
-#include <memory>
+#include <functional>
 #include <vector>
 
+#include "base/aligned.h"
 #include "fit/reduced_system.h"
 #include "math/fft.h"
 
@@ -41,14 +41,20 @@ bool shares_hessian(const ReducedSystem& system, const ReducedSystem& other);
 
 // Memory that products reuse: allocate once per solve.
 struct HessianWorkspace {
-  std::vector<std::complex<double>> spectrum;
+  AlignedVector<double> spectrum;
+};
+
+// What a solver does with single planes while they are in cache: before(k) prepares plane k of the
+// input, after(k) uses plane k of the output. Called once for each plane, from several threads.
+struct PlaneHooks {
+  std::function<void(std::size_t k)> before, after;
 };
 
 // out = H p, also with the regulariser; p and out are distinct.
 void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const double* p,
                    double* out, HessianWorkspace& workspace);
 void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const float* p, float* out,
-                   HessianWorkspace& workspace);
+                   HessianWorkspace& workspace, const PlaneHooks& hooks = {});
 
 // The same for the field that has the value profile[k] at all pixels, without a convolution.
 void apply_hessian_to_constant(const ReducedSystem& system, const Hessian& hessian,
@@ -68,6 +74,7 @@ struct Preconditioner {
 };
 Preconditioner make_preconditioner(const ReducedSystem& system, const Hessian& hessian);
 void apply_preconditioner(const Preconditioner& preconditioner, const Hessian& hessian,
-                          const float* r, float* z, HessianWorkspace& workspace);
+                          const float* r, float* z, HessianWorkspace& workspace,
+                          const PlaneHooks& hooks = {});
 
 }  // namespace parian

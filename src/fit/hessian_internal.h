@@ -26,7 +26,7 @@ void add_local_row(const LocalRow& row, const double* diagonal, const double* co
                    const double* down, const double* up2, const double* down2, double* out,
                    std::size_t count);
 
-// here <- diagonal here + up above + down previous (complex values, real factors); previous <- old
+// here <- diagonal here + up above + down previous (spectra, real factors); previous <- old
 // here.
 void multiply_block(float* here, const float* above, float* previous, const float* diagonal,
                     const float* up, const float* down, double use_up, double use_down,
@@ -38,6 +38,7 @@ void multiply_block(double* here, const double* above, double* previous, const d
 // out += sum over pairs of W (Q(x) + Q(x + d)) spread to both ends, pair by pair.
 void add_pairs(const ReducedSystem& system, const float* p, float* out);
 void add_pairs(const ReducedSystem& system, const double* p, double* out);
+bool has_missing(const ReducedSystem& system);
 // out -= the same over the listed missing pairs.
 void subtract_missing(const ReducedSystem& system, const float* p, float* out);
 void subtract_missing(const ReducedSystem& system, const double* p, double* out);

@@ -1,56 +1,67 @@
-// Vectorised inner loops of Hessian products.
+// Vectorised inner loops of Hessian products. The loops are templates that are inlined into the
+// cloned functions, one for each precision.
 #include "base/hot.h"
 #include "fit/hessian_internal.h"
 
 namespace parian {
 namespace {
 
-// One knot of (D + lambda^2 L^T L) p; expanded for both precisions, as clones cannot be templates.
-#define PARIAN_LOCAL_ROW(Real)                                                            \
-  const auto c0 = static_cast<Real>(row->c0), up1 = static_cast<Real>(row->up),           \
-             down1 = static_cast<Real>(row->down), c2 = static_cast<Real>(row->up2),      \
-             d2 = static_cast<Real>(row->down2), use_up = static_cast<Real>(row->use_up), \
-             use_down = static_cast<Real>(row->use_down);                                 \
-  for (std::size_t i = 0; i < count; ++i)                                                 \
-    out[i] += (diagonal[i] + c0) * here[i] + (use_up * cu[i] + up1) * up[i] +             \
-              (use_down * cd[i] + down1) * down[i] + c2 * up2[i] + d2 * down2[i];
+// One knot of (D + lambda^2 L^T L) p.
+template <typename Real>
+[[gnu::always_inline]] inline void add_local_values(
+    const LocalRow& row, const Real* PARIAN_RESTRICT diagonal,
+    const Real* PARIAN_RESTRICT coupling_up, const Real* PARIAN_RESTRICT coupling_down,
+    const Real* PARIAN_RESTRICT here, const Real* PARIAN_RESTRICT up,
+    const Real* PARIAN_RESTRICT down, const Real* PARIAN_RESTRICT up2,
+    const Real* PARIAN_RESTRICT down2, Real* PARIAN_RESTRICT out, std::size_t count) {
+  const auto c0 = static_cast<Real>(row.c0), c1 = static_cast<Real>(row.up),
+             b1 = static_cast<Real>(row.down);
+  const auto c2 = static_cast<Real>(row.up2), b2 = static_cast<Real>(row.down2);
+  const auto use_up = static_cast<Real>(row.use_up), use_down = static_cast<Real>(row.use_down);
+  for (std::size_t i = 0; i < count; ++i)
+    out[i] += (diagonal[i] + c0) * here[i] + (use_up * coupling_up[i] + c1) * up[i] +
+              (use_down * coupling_down[i] + b1) * down[i] + c2 * up2[i] + b2 * down2[i];
+}
 
-PARIAN_HOT void local_row_float(const LocalRow* row, const float* PARIAN_RESTRICT diagonal,
-                                const float* PARIAN_RESTRICT cu, const float* PARIAN_RESTRICT cd,
-                                const float* PARIAN_RESTRICT here, const float* PARIAN_RESTRICT up,
-                                const float* PARIAN_RESTRICT down, const float* PARIAN_RESTRICT up2,
-                                const float* PARIAN_RESTRICT down2, float* PARIAN_RESTRICT out,
-                                std::size_t count){PARIAN_LOCAL_ROW(float)}
-
-PARIAN_HOT
-    void local_row_double(const LocalRow* row, const double* PARIAN_RESTRICT diagonal,
-                          const double* PARIAN_RESTRICT cu, const double* PARIAN_RESTRICT cd,
-                          const double* PARIAN_RESTRICT here, const double* PARIAN_RESTRICT up,
-                          const double* PARIAN_RESTRICT down, const double* PARIAN_RESTRICT up2,
-                          const double* PARIAN_RESTRICT down2, double* PARIAN_RESTRICT out,
-                          std::size_t count){PARIAN_LOCAL_ROW(double)}
-#define PARIAN_MULTIPLY(Real)                                               \
-  for (std::size_t i = 0; i < count; ++i) {                                 \
-    const Real d = diagonal[i], u = use_up * up[i], l = use_down * down[i]; \
-    for (std::size_t part = 2 * i; part < 2 * i + 2; ++part) {              \
-      const Real old = here[part];                                          \
-      here[part] = d * old + u * above[part] + l * previous[part];          \
-      previous[part] = old;                                                 \
-    }                                                                       \
+// Counts are multiples of the lanes: spectra come in whole blocks.
+template <typename Real>
+[[gnu::always_inline]] inline void multiply_values(Real* here, const Real* above, Real* previous,
+                                                   const Real* diagonal, const Real* up,
+                                                   const Real* down, Real use_up, Real use_down,
+                                                   std::size_t count) {
+  constexpr std::size_t lanes = spectrum_lanes<Real>;
+  for (std::size_t f = 0; f < count; f += lanes) {
+    for (std::size_t part = 0; part < 2 * lanes; part += lanes) {
+      Real* PARIAN_RESTRICT h = here + 2 * f + part;
+      Real* PARIAN_RESTRICT before = previous + 2 * f + part;
+      const Real* PARIAN_RESTRICT next = above + 2 * f + part;
+      for (std::size_t l = 0; l < lanes; ++l) {
+        const Real old = h[l];
+        h[l] = diagonal[f + l] * old + use_up * up[f + l] * next[l] +
+               use_down * down[f + l] * before[l];
+        before[l] = old;
+      }
+    }
   }
+}
 
-PARIAN_HOT
-    void multiply_float(float* PARIAN_RESTRICT here, const float* PARIAN_RESTRICT above,
-                        float* PARIAN_RESTRICT previous, const float* PARIAN_RESTRICT diagonal,
-                        const float* PARIAN_RESTRICT up, const float* PARIAN_RESTRICT down,
-                        float use_up, float use_down, std::size_t count){PARIAN_MULTIPLY(float)}
-
-PARIAN_HOT
-    void multiply_double(double* PARIAN_RESTRICT here, const double* PARIAN_RESTRICT above,
-                         double* PARIAN_RESTRICT previous, const double* PARIAN_RESTRICT diagonal,
-                         const double* PARIAN_RESTRICT up, const double* PARIAN_RESTRICT down,
-                         double use_up, double use_down, std::size_t count) {
-  PARIAN_MULTIPLY(double)
+PARIAN_HOT void local_row_float(const LocalRow* row, const float* const* in, float* out,
+                                std::size_t count) {
+  add_local_values(*row, in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7], out, count);
+}
+PARIAN_HOT void local_row_double(const LocalRow* row, const double* const* in, double* out,
+                                 std::size_t count) {
+  add_local_values(*row, in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7], out, count);
+}
+PARIAN_HOT void multiply_float(float* here, const float* above, float* previous,
+                               const float* diagonal, const float* up, const float* down,
+                               float use_up, float use_down, std::size_t count) {
+  multiply_values(here, above, previous, diagonal, up, down, use_up, use_down, count);
+}
+PARIAN_HOT void multiply_double(double* here, const double* above, double* previous,
+                                const double* diagonal, const double* up, const double* down,
+                                double use_up, double use_down, std::size_t count) {
+  multiply_values(here, above, previous, diagonal, up, down, use_up, use_down, count);
 }
 
 }  // namespace
@@ -59,15 +70,15 @@ void add_local_row(const LocalRow& row, const float* diagonal, const float* coup
                    const float* coupling_down, const float* here, const float* up,
                    const float* down, const float* up2, const float* down2, float* out,
                    std::size_t count) {
-  local_row_float(&row, diagonal, coupling_up, coupling_down, here, up, down, up2, down2, out,
-                  count);
+  const float* in[] = {diagonal, coupling_up, coupling_down, here, up, down, up2, down2};
+  local_row_float(&row, in, out, count);
 }
 void add_local_row(const LocalRow& row, const double* diagonal, const double* coupling_up,
                    const double* coupling_down, const double* here, const double* up,
                    const double* down, const double* up2, const double* down2, double* out,
                    std::size_t count) {
-  local_row_double(&row, diagonal, coupling_up, coupling_down, here, up, down, up2, down2, out,
-                   count);
+  const double* in[] = {diagonal, coupling_up, coupling_down, here, up, down, up2, down2};
+  local_row_double(&row, in, out, count);
 }
 void multiply_block(float* here, const float* above, float* previous, const float* diagonal,
                     const float* up, const float* down, double use_up, double use_down,

@@ -162,9 +162,7 @@ void subtract_listed(const ReducedSystem& system, std::size_t i, const Real* p, 
 
 template <typename Real>
 void subtract_all(const ReducedSystem& system, const Real* p, Real* out) {
-  const bool any = std::any_of(system.missing.begin(), system.missing.end(),
-                               [](const auto& list) { return !list.empty(); });
-  if (!any) return;
+  if (!has_missing(system)) return;
   for_segments(system, [&](int segment) {
     for (std::size_t i = 0; i < system.offsets.size(); ++i)
       if (system.segment[i] == segment) subtract_listed(system, i, p, out);
@@ -172,6 +170,11 @@ void subtract_all(const ReducedSystem& system, const Real* p, Real* out) {
 }
 
 }  // namespace
+
+bool has_missing(const ReducedSystem& system) {
+  return std::any_of(system.missing.begin(), system.missing.end(),
+                     [](const auto& list) { return !list.empty(); });
+}
 
 void add_pairs(const ReducedSystem& system, const float* p, float* out) {
   add_all(system, p, out);

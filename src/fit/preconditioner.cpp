@@ -15,23 +15,24 @@ constexpr std::size_t frequency_block = 256;
 // (pi, pi) mode), and well above single-precision rounding. Only the preconditioner has it.
 constexpr double ridge = 1e-5;
 
-// here -= l1 back1 + c2 inverse back2 (complex values, real factors)
+// here -= l1 back1 + c2 inverse back2 (spectra, real factors)
 PARIAN_HOT void eliminate(float* PARIAN_RESTRICT here, const float* PARIAN_RESTRICT back1,
                           const float* PARIAN_RESTRICT back2, const float* PARIAN_RESTRICT l1,
                           const float* PARIAN_RESTRICT inverse, float c2, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const float l2 = c2 * inverse[i];
-    here[2 * i] -= l1[i] * back1[2 * i] + l2 * back2[2 * i];
-    here[2 * i + 1] -= l1[i] * back1[2 * i + 1] + l2 * back2[2 * i + 1];
-  }
+  constexpr std::size_t lanes = spectrum_lanes<float>;
+  for (std::size_t f = 0; f < count; f += lanes)
+    for (std::size_t part = 0; part < 2 * lanes; part += lanes)
+      for (std::size_t l = 0; l < lanes; ++l)
+        here[2 * f + part + l] -=
+            l1[f + l] * back1[2 * f + part + l] + c2 * inverse[f + l] * back2[2 * f + part + l];
 }
 
 PARIAN_HOT void scale_by(float* PARIAN_RESTRICT here, const float* PARIAN_RESTRICT factor,
                          std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
-    here[2 * i] *= factor[i];
-    here[2 * i + 1] *= factor[i];
-  }
+  constexpr std::size_t lanes = spectrum_lanes<float>;
+  for (std::size_t f = 0; f < count; f += lanes)
+    for (std::size_t part = 0; part < 2 * lanes; part += lanes)
+      for (std::size_t l = 0; l < lanes; ++l) here[2 * f + part + l] *= factor[f + l];
 }
 
 // mean(u^2) of each weight term: how much of its interior rows is left on average.
@@ -49,7 +50,7 @@ std::vector<double> mean_squares(const ReducedSystem& system) {
 void factor_block(const ReducedSystem& system, const Hessian& hessian,
                   const std::vector<double>& scale, std::size_t begin, std::size_t end,
                   Preconditioner& factors) {
-  const std::size_t knots = hessian.knots, size = hessian.grid.spectrum_size();
+  const std::size_t knots = hessian.knots, size = hessian.grid.frequencies<float>();
   const CurvatureBands bands = curvature_bands(system);
   const auto kernel = [&](std::size_t j, std::size_t f) {
     double sum = 0;
@@ -102,7 +103,7 @@ void solve_block(const Preconditioner& factors, std::size_t size, std::size_t kn
 }  // namespace
 
 Preconditioner make_preconditioner(const ReducedSystem& system, const Hessian& hessian) {
-  const std::size_t size = hessian.grid.spectrum_size(), total = size * hessian.knots;
+  const std::size_t size = hessian.grid.frequencies<float>(), total = size * hessian.knots;
   const CurvatureBands bands = curvature_bands(system);
   Preconditioner factors{std::vector<float>(total),
                          std::vector<float>(total),
@@ -115,20 +116,22 @@ Preconditioner make_preconditioner(const ReducedSystem& system, const Hessian& h
 }
 
 void apply_preconditioner(const Preconditioner& preconditioner, const Hessian& hessian,
-                          const float* r, float* z, HessianWorkspace& workspace) {
-  const std::size_t size = hessian.grid.spectrum_size(), knots = hessian.knots,
-                    pixels = hessian.grid.pixels();
+                          const float* r, float* z, HessianWorkspace& workspace,
+                          const PlaneHooks& hooks) {
+  const FftGrid& grid = hessian.grid;
+  const std::size_t size = grid.frequencies<float>(), knots = hessian.knots, pixels = grid.pixels();
   if (workspace.spectrum.size() < knots * size) workspace.spectrum.resize(knots * size);
-  auto* spectrum = reinterpret_cast<std::complex<float>*>(workspace.spectrum.data());
+  auto* spectrum = reinterpret_cast<float*>(workspace.spectrum.data());
   parallel_for(knots, [&](std::size_t k) {
-    forward_fft(hessian.grid, r + k * pixels, spectrum + k * size);
+    if (hooks.before) hooks.before(k);
+    forward_fft(grid, r + k * pixels, spectrum + 2 * k * size);
   });
   parallel_for_blocks(size, frequency_block, [&](std::size_t begin, std::size_t end) {
-    solve_block(preconditioner, size, knots, reinterpret_cast<float*>(spectrum), begin,
-                end - begin);
+    solve_block(preconditioner, size, knots, spectrum, begin, end - begin);
   });
   parallel_for(knots, [&](std::size_t k) {
-    inverse_fft(hessian.grid, spectrum + k * size, z + k * pixels);
+    inverse_fft(grid, spectrum + 2 * k * size, z + k * pixels);
+    if (hooks.after) hooks.after(k);
   });
 }
 

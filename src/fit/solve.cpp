@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <functional>
+#include <numeric>
 
 #include "base/check.h"
 #include "base/hot.h"
@@ -90,22 +91,35 @@ struct Solver {
 
 // Adds to x what brings the residual r = rhs - H x down to `target`.
 void conjugate_gradient(Solver& s, double target) {
+  const std::size_t pixels = s.system.pixels(), knots = s.system.knots();
+  std::vector<double> partial(knots);  // of inner products, per plane
+  const auto total = [&] { return std::accumulate(partial.begin(), partial.end(), 0.0); };
   const double start = std::sqrt(dot(s.r, s.r));
   double rz = 0;
+  float beta = 0;
+  PlaneHooks residual_hooks, direction_hooks;
+  residual_hooks.after = [&](std::size_t k) {
+    partial[k] = dot_block(&s.r[k * pixels], &s.z[k * pixels], pixels);
+  };
+  direction_hooks.before = [&](std::size_t k) {
+    direction_block(beta, &s.z[k * pixels], &s.d[k * pixels], pixels);
+  };
+  direction_hooks.after = [&](std::size_t k) {
+    partial[k] = dot_block(&s.d[k * pixels], &s.z[k * pixels], pixels);
+  };
   for (double norm_r = start; s.report.iterations < s.params.max_iterations && norm_r > target;
        ++s.report.iterations) {
     advance_progress(s.progress, "solving",
                      std::clamp(std::log(norm_r / start) / std::log(target / start), 0.0, 1.0));
-    apply_preconditioner(s.preconditioner, s.hessian, s.r.data(), s.z.data(), s.workspace);
-    const double rz_new = dot(s.r, s.z);
+    apply_preconditioner(s.preconditioner, s.hessian, s.r.data(), s.z.data(), s.workspace,
+                         residual_hooks);
+    const double rz_new = total();
     if (!(rz_new > 0)) break;  // rounding has the last word
-    const auto beta = static_cast<float>(rz > 0 ? rz_new / rz : 0);
-    for_all(s.d.size(), [&](std::size_t begin, std::size_t end) {
-      direction_block(beta, &s.z[begin], &s.d[begin], end - begin);
-    });
+    beta = static_cast<float>(rz > 0 ? rz_new / rz : 0);
     rz = rz_new;
-    apply_hessian(s.system, s.hessian, s.d.data(), s.z.data(), s.workspace);
-    const double curvature = dot(s.d, s.z);
+    // z is the new direction's input until its plane has been read, and H d from then on.
+    apply_hessian(s.system, s.hessian, s.d.data(), s.z.data(), s.workspace, direction_hooks);
+    const double curvature = total();
     if (!(curvature > 0)) break;
     const auto alpha = static_cast<float>(rz / curvature);
     norm_r = std::sqrt(parallel_sum(s.d.size(), block, [&](std::size_t begin, std::size_t end) {

@@ -37,27 +37,25 @@ int fast_size(int n) {
 FftGrid make_fft_grid(int width, int height, int reach_x, int reach_y) {
   PARIAN_CHECK_LE(1, width);
   PARIAN_CHECK_LE(1, height);
-  FftGrid grid{width, height, fast_size(width + reach_x), fast_size(height + reach_y), 0};
-  grid.spectrum_width = grid.padded_width / 2 + 1;
-  return grid;
+  return {width, height, fast_size(width + reach_x), fast_size(height + reach_y)};
 }
 
-void forward_fft(const FftGrid& grid, const float* plane, std::complex<float>* spectrum) {
+void forward_fft(const FftGrid& grid, const float* plane, float* spectrum) {
   PARIAN_FFT_CALL(forward_float, grid, plane, grid.width, grid.height, spectrum);
 }
-void forward_fft(const FftGrid& grid, const double* plane, std::complex<double>* spectrum) {
+void forward_fft(const FftGrid& grid, const double* plane, double* spectrum) {
   PARIAN_FFT_CALL(forward_double, grid, plane, grid.width, grid.height, spectrum);
 }
-void inverse_fft(const FftGrid& grid, std::complex<float>* spectrum, float* plane) {
+void inverse_fft(const FftGrid& grid, float* spectrum, float* plane) {
   PARIAN_FFT_CALL(inverse_float, grid, spectrum, plane);
 }
-void inverse_fft(const FftGrid& grid, std::complex<double>* spectrum, double* plane) {
+void inverse_fft(const FftGrid& grid, double* spectrum, double* plane) {
   PARIAN_FFT_CALL(inverse_double, grid, spectrum, plane);
 }
-void forward_fft_padded(const FftGrid& grid, const float* padded, std::complex<float>* spectrum) {
+void forward_fft_padded(const FftGrid& grid, const float* padded, float* spectrum) {
   PARIAN_FFT_CALL(forward_float, grid, padded, grid.padded_width, grid.padded_height, spectrum);
 }
-void forward_fft_padded(const FftGrid& grid, const double* padded, std::complex<double>* spectrum) {
+void forward_fft_padded(const FftGrid& grid, const double* padded, double* spectrum) {
   PARIAN_FFT_CALL(forward_double, grid, padded, grid.padded_width, grid.padded_height, spectrum);
 }
 

@@ -14,6 +14,8 @@
 #include "math/fft_variants.h"
 
 #define POCKETFFT_NO_MULTITHREADING
+// Vectors never cross a boundary between translation units.
+#pragma GCC diagnostic ignored "-Wpsabi"
 #ifdef PARIAN_FFT_HAS_AVX2
 #pragma GCC push_options
 #pragma GCC target("avx2")

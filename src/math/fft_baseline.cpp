@@ -13,6 +13,8 @@
 #include "math/fft_variants.h"
 
 #define POCKETFFT_NO_MULTITHREADING
+// Vectors never cross a boundary between translation units.
+#pragma GCC diagnostic ignored "-Wpsabi"
 #define PARIAN_FFT_SPACE fft_baseline
 #include <gemmi/third_party/pocketfft_hdronly.h>
 

@@ -1,74 +1,228 @@
-// The transforms of fft.h over pocketfft, included once per instruction set with PARIAN_FFT_SPACE
-// naming the namespace and `pocketfft` renamed, so that no code of one set leaks into another.
+// The transforms of fft.h, included once per instruction set with PARIAN_FFT_SPACE naming the
+// namespace and `pocketfft` renamed, so that no code of one set leaks into another.
+//
+// pocketfft's plans transform vectors of lines at once. Its own drivers gather those lines value by
+// value, which takes longer than the transforms; here rows are transposed in registers into
+// lanes, and columns lie side by side in the spectrum's blocks, so that nothing is gathered.
 namespace parian::PARIAN_FFT_SPACE {
 
-inline constexpr int block_rows = 16;  // rows that are padded at a time, to stay in cache
-
+typedef float FloatLanes __attribute__((vector_size(32)));
+typedef double DoubleLanes __attribute__((vector_size(32)));
 template <typename Real>
-pocketfft::stride_t row_strides(std::ptrdiff_t row) {
-  const auto size = static_cast<std::ptrdiff_t>(sizeof(Real));
-  return {row * size, size};
-}
-
+struct LanesOf;
+template <>
+struct LanesOf<float> {
+  using type = FloatLanes;
+};
+template <>
+struct LanesOf<double> {
+  using type = DoubleLanes;
+};
 template <typename Real>
-void transform_columns(const FftGrid& grid, std::complex<Real>* spectrum, bool forward) {
-  const auto strides = row_strides<std::complex<Real>>(grid.spectrum_width);
-  pocketfft::c2c(
-      {static_cast<std::size_t>(grid.padded_height), static_cast<std::size_t>(grid.spectrum_width)},
-      strides, strides, {0}, forward, spectrum, spectrum, Real(1));
-}
+using Lanes = typename LanesOf<Real>::type;
 
-template <typename Real>
-void forward(const FftGrid& grid, const Real* plane, int width, int height,
-             std::complex<Real>* spectrum) {
-  const auto padded = static_cast<std::size_t>(grid.padded_width);
-  const auto half = static_cast<std::size_t>(grid.spectrum_width);
-  std::vector<Real> rows(padded * block_rows);
-  for (int y = 0; y < height; y += block_rows) {
-    const auto count = static_cast<std::size_t>(std::min(block_rows, height - y));
-    for (std::size_t i = 0; i < count; ++i)
-      std::copy_n(plane + (static_cast<std::size_t>(y) + i) * static_cast<std::size_t>(width),
-                  width, &rows[i * padded]);
-    pocketfft::r2c({count, padded}, row_strides<Real>(grid.padded_width),
-                   row_strides<std::complex<Real>>(grid.spectrum_width), 1, true, rows.data(),
-                   spectrum + static_cast<std::size_t>(y) * half, Real(1));
+// Rows become columns.
+inline void transpose(FloatLanes* r) {
+  typedef int Mask __attribute__((vector_size(32)));
+  constexpr Mask low1{0, 8, 1, 9, 4, 12, 5, 13}, high1{2, 10, 3, 11, 6, 14, 7, 15};
+  constexpr Mask low2{0, 1, 8, 9, 4, 5, 12, 13}, high2{2, 3, 10, 11, 6, 7, 14, 15};
+  constexpr Mask low3{0, 1, 2, 3, 8, 9, 10, 11}, high3{4, 5, 6, 7, 12, 13, 14, 15};
+  FloatLanes t[8], u[8];
+  for (int i = 0; i < 8; i += 2) {
+    t[i] = __builtin_shuffle(r[i], r[i + 1], low1);
+    t[i + 1] = __builtin_shuffle(r[i], r[i + 1], high1);
   }
-  std::fill(spectrum + static_cast<std::size_t>(height) * half, spectrum + grid.spectrum_size(),
-            std::complex<Real>());
-  transform_columns(grid, spectrum, true);
+  for (int i = 0; i < 8; i += 4) {
+    u[i] = __builtin_shuffle(t[i], t[i + 2], low2);
+    u[i + 1] = __builtin_shuffle(t[i], t[i + 2], high2);
+    u[i + 2] = __builtin_shuffle(t[i + 1], t[i + 3], low2);
+    u[i + 3] = __builtin_shuffle(t[i + 1], t[i + 3], high2);
+  }
+  for (int i = 0; i < 4; ++i) {
+    r[i] = __builtin_shuffle(u[i], u[i + 4], low3);
+    r[i + 4] = __builtin_shuffle(u[i], u[i + 4], high3);
+  }
+}
+inline void transpose(DoubleLanes* r) {
+  typedef long long Mask __attribute__((vector_size(32)));
+  constexpr Mask low1{0, 4, 2, 6}, high1{1, 5, 3, 7}, low2{0, 1, 4, 5}, high2{2, 3, 6, 7};
+  const DoubleLanes t0 = __builtin_shuffle(r[0], r[1], low1),
+                    t1 = __builtin_shuffle(r[0], r[1], high1);
+  const DoubleLanes t2 = __builtin_shuffle(r[2], r[3], low1),
+                    t3 = __builtin_shuffle(r[2], r[3], high1);
+  r[0] = __builtin_shuffle(t0, t2, low2);
+  r[1] = __builtin_shuffle(t1, t3, low2);
+  r[2] = __builtin_shuffle(t0, t2, high2);
+  r[3] = __builtin_shuffle(t1, t3, high2);
 }
 
 template <typename Real>
-void inverse(const FftGrid& grid, std::complex<Real>* spectrum, Real* plane) {
-  const auto padded = static_cast<std::size_t>(grid.padded_width);
-  const auto half = static_cast<std::size_t>(grid.spectrum_width);
+struct Frame {
+  using Vector = Lanes<Real>;
+  using Complex = pocketfft::detail::cmplx<Vector>;
+  static constexpr int lanes = static_cast<int>(spectrum_lanes<Real>);
+
+  int columns, rows, half, blocks;
+  std::shared_ptr<pocketfft::detail::pocketfft_r<Real>> row_plan;
+  std::shared_ptr<pocketfft::detail::pocketfft_c<Real>> column_plan;
+  pocketfft::detail::arr<Vector> line;  // one vector of rows
+
+  explicit Frame(const FftGrid& grid)
+      : columns(grid.padded_width),
+        rows(grid.padded_height),
+        half(columns / 2 + 1),
+        blocks((half + lanes - 1) / lanes),
+        row_plan(pocketfft::detail::get_plan<pocketfft::detail::pocketfft_r<Real>>(
+            static_cast<std::size_t>(columns))),
+        column_plan(pocketfft::detail::get_plan<pocketfft::detail::pocketfft_c<Real>>(
+            static_cast<std::size_t>(rows))),
+        line(static_cast<std::size_t>(columns)) {}
+
+  Complex* block(Real* spectrum, int b) const {
+    return reinterpret_cast<Complex*>(spectrum) + static_cast<std::ptrdiff_t>(b) * rows;
+  }
+};
+
+// line[x] = the values at x of `count` rows, zeros to the right and in missing rows.
+template <typename Real>
+void load_rows(Frame<Real>& frame, const Real* rows, int width, int count) {
+  constexpr int lanes = Frame<Real>::lanes;
+  using Vector = Lanes<Real>;
+  int x = 0;
+  for (; x + lanes <= width && count == lanes; x += lanes) {
+    Vector tile[lanes];
+    for (int i = 0; i < lanes; ++i)
+      std::memcpy(&tile[i], rows + static_cast<std::ptrdiff_t>(i) * width + x, sizeof(Vector));
+    transpose(tile);
+    for (int i = 0; i < lanes; ++i) frame.line[static_cast<std::size_t>(x + i)] = tile[i];
+  }
+  for (; x < width; ++x) {
+    Vector value{};
+    for (int i = 0; i < count; ++i) value[i] = rows[static_cast<std::ptrdiff_t>(i) * width + x];
+    frame.line[static_cast<std::size_t>(x)] = value;
+  }
+  for (; x < frame.columns; ++x) frame.line[static_cast<std::size_t>(x)] = Vector{};
+}
+
+template <typename Real>
+void store_rows(Frame<Real>& frame, Real* rows, int width, int count) {
+  constexpr int lanes = Frame<Real>::lanes;
+  using Vector = Lanes<Real>;
+  int x = 0;
+  for (; x + lanes <= width && count == lanes; x += lanes) {
+    Vector tile[lanes];
+    for (int i = 0; i < lanes; ++i) tile[i] = frame.line[static_cast<std::size_t>(x + i)];
+    transpose(tile);
+    for (int i = 0; i < lanes; ++i)
+      std::memcpy(rows + static_cast<std::ptrdiff_t>(i) * width + x, &tile[i], sizeof(Vector));
+  }
+  for (; x < width; ++x)
+    for (int i = 0; i < count; ++i)
+      rows[static_cast<std::ptrdiff_t>(i) * width + x] = frame.line[static_cast<std::size_t>(x)][i];
+}
+
+// Where frequency f of a row's transform lies in pocketfft's order r0, r1, i1, r2, i2, ...; -1:
+// zero.
+inline int real_index(int f, int half) {
+  return f >= half ? -1 : f == 0 ? 0 : 2 * f - 1;
+}
+inline int imaginary_index(int f, int half, int columns) {
+  return f == 0 || f >= half || 2 * f >= columns ? -1 : 2 * f;
+}
+
+template <typename Real>
+void rows_to_blocks(Frame<Real>& frame, Real* spectrum, int y) {
+  constexpr int lanes = Frame<Real>::lanes;
+  using Vector = Lanes<Real>;
+  const auto entry = [&](int index) {
+    return index < 0 ? Vector{} : frame.line[static_cast<std::size_t>(index)];
+  };
+  const int count = std::min(lanes, frame.rows - y);
+  for (int b = 0; b < frame.blocks; ++b) {
+    Vector real[lanes], imaginary[lanes];
+    for (int i = 0; i < lanes; ++i) {
+      const int f = b * lanes + i;
+      real[i] = entry(real_index(f, frame.half));
+      imaginary[i] = entry(imaginary_index(f, frame.half, frame.columns));
+    }
+    transpose(real);
+    transpose(imaginary);
+    auto* column = frame.block(spectrum, b) + y;
+    for (int i = 0; i < count; ++i) column[i].Set(real[i], imaginary[i]);
+  }
+}
+
+template <typename Real>
+void blocks_to_rows(Frame<Real>& frame, Real* spectrum, int y) {
+  constexpr int lanes = Frame<Real>::lanes;
+  using Vector = Lanes<Real>;
+  const int count = std::min(lanes, frame.rows - y);
+  for (int b = 0; b < frame.blocks; ++b) {
+    Vector real[lanes] = {}, imaginary[lanes] = {};
+    const auto* column = frame.block(spectrum, b) + y;
+    for (int i = 0; i < count; ++i) {
+      real[i] = column[i].r;
+      imaginary[i] = column[i].i;
+    }
+    transpose(real);
+    transpose(imaginary);
+    for (int i = 0; i < lanes; ++i) {
+      const int f = b * lanes + i, r = real_index(f, frame.half),
+                m = imaginary_index(f, frame.half, frame.columns);
+      if (r >= 0) frame.line[static_cast<std::size_t>(r)] = real[i];
+      if (m >= 0) frame.line[static_cast<std::size_t>(m)] = imaginary[i];
+    }
+  }
+}
+
+template <typename Real>
+void forward(const FftGrid& grid, const Real* plane, int width, int height, Real* spectrum) {
+  constexpr int lanes = Frame<Real>::lanes;
+  Frame<Real> frame(grid);
+  int y = 0;
+  for (; y < height; y += lanes) {
+    load_rows(frame, plane + static_cast<std::ptrdiff_t>(y) * width, width,
+              std::min(lanes, height - y));
+    frame.row_plan->exec(frame.line.data(), Real(1), true);
+    rows_to_blocks(frame, spectrum, y);
+  }
+  for (int b = 0; b < frame.blocks; ++b) {
+    auto* column = frame.block(spectrum, b);
+    if (y < frame.rows)
+      std::memset(static_cast<void*>(column + y), 0,
+                  static_cast<std::size_t>(frame.rows - y) * sizeof(*column));
+    frame.column_plan->exec(column, Real(1), true);
+  }
+}
+
+template <typename Real>
+void inverse(const FftGrid& grid, Real* spectrum, Real* plane) {
+  constexpr int lanes = Frame<Real>::lanes;
+  Frame<Real> frame(grid);
   const Real factor =
       Real(1) / (static_cast<Real>(grid.padded_width) * static_cast<Real>(grid.padded_height));
-  transform_columns(grid, spectrum, false);
-  std::vector<Real> rows(padded * block_rows);
-  for (int y = 0; y < grid.height; y += block_rows) {
-    const auto count = static_cast<std::size_t>(std::min(block_rows, grid.height - y));
-    pocketfft::c2r({count, padded}, row_strides<std::complex<Real>>(grid.spectrum_width),
-                   row_strides<Real>(grid.padded_width), 1, false,
-                   spectrum + static_cast<std::size_t>(y) * half, rows.data(), factor);
-    for (std::size_t i = 0; i < count; ++i)
-      std::copy_n(&rows[i * padded], grid.width,
-                  plane + (static_cast<std::size_t>(y) + i) * static_cast<std::size_t>(grid.width));
+  for (int b = 0; b < frame.blocks; ++b)
+    frame.column_plan->exec(frame.block(spectrum, b), Real(1), false);
+  for (int y = 0; y < grid.height; y += lanes) {
+    blocks_to_rows(frame, spectrum, y);
+    frame.row_plan->exec(frame.line.data(), factor, false);
+    store_rows(frame, plane + static_cast<std::ptrdiff_t>(y) * grid.width, grid.width,
+               std::min(lanes, grid.height - y));
   }
 }
 
 void forward_float(const FftGrid& grid, const float* plane, int width, int height,
-                   std::complex<float>* spectrum) {
+                   float* spectrum) {
   forward(grid, plane, width, height, spectrum);
 }
 void forward_double(const FftGrid& grid, const double* plane, int width, int height,
-                    std::complex<double>* spectrum) {
+                    double* spectrum) {
   forward(grid, plane, width, height, spectrum);
 }
-void inverse_float(const FftGrid& grid, std::complex<float>* spectrum, float* plane) {
+void inverse_float(const FftGrid& grid, float* spectrum, float* plane) {
   inverse(grid, spectrum, plane);
 }
-void inverse_double(const FftGrid& grid, std::complex<double>* spectrum, double* plane) {
+void inverse_double(const FftGrid& grid, double* spectrum, double* plane) {
   inverse(grid, spectrum, plane);
 }
 

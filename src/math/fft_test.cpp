@@ -2,32 +2,40 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
 #include <vector>
 
+#include "base/aligned.h"
 #include "base/random.h"
 
 namespace parian {
 namespace {
 
 template <typename Real>
-void check_round_trip_and_convolution(double tolerance) {
-  const int w = 13, h = 9, reach = 3;
+void check_round_trip_and_convolution(int w, int h, double tolerance) {
+  const int reach = 3;
   const FftGrid grid = make_fft_grid(w, h, reach, reach);
   Rng rng = make_rng(1);
   std::vector<Real> plane(grid.pixels()), result(grid.pixels());
   for (Real& v : plane) v = static_cast<Real>(sample_uniform(rng) - 0.5);
-  std::vector<std::complex<Real>> spectrum(grid.spectrum_size());
+  AlignedVector<Real> spectrum(2 * grid.frequencies<Real>());
   forward_fft(grid, plane.data(), spectrum.data());
   auto copy = spectrum;
   inverse_fft(grid, copy.data(), result.data());
   for (std::size_t i = 0; i < plane.size(); ++i) EXPECT_NEAR(result[i], plane[i], tolerance);
 
   // A kernel with one tap at (2, -3) shifts, with zeros from outside.
-  std::vector<double> padded(static_cast<std::size_t>(grid.padded_width * grid.padded_height));
+  std::vector<Real> padded(static_cast<std::size_t>(grid.padded_width * grid.padded_height));
   padded[static_cast<std::size_t>((grid.padded_height - 3) * grid.padded_width + 2)] = 1;
-  std::vector<std::complex<double>> kernel(grid.spectrum_size());
+  AlignedVector<Real> kernel(spectrum.size());
   forward_fft_padded(grid, padded.data(), kernel.data());
-  for (std::size_t i = 0; i < kernel.size(); ++i) spectrum[i] *= std::complex<Real>(kernel[i]);
+  const std::size_t lanes = spectrum_lanes<Real>;
+  for (std::size_t f = 0; f < spectrum.size() / 2; ++f) {
+    const std::size_t re = f / lanes * 2 * lanes + f % lanes, im = re + lanes;
+    const Real a = spectrum[re], b = spectrum[im];
+    spectrum[re] = a * kernel[re] - b * kernel[im];
+    spectrum[im] = a * kernel[im] + b * kernel[re];
+  }
   inverse_fft(grid, spectrum.data(), result.data());
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
@@ -38,18 +46,21 @@ void check_round_trip_and_convolution(double tolerance) {
   }
 }
 
+// Odd and even sizes, below and above a register's lanes.
+constexpr std::pair<int, int> sizes[] = {{13, 9}, {5, 7}, {24, 16}, {22, 33}, {4, 4}};
+
 TEST(Fft, DoubleRoundTripsAndConvolvesWithoutWrapping) {
-  check_round_trip_and_convolution<double>(1e-14);
+  for (const auto& [w, h] : sizes) check_round_trip_and_convolution<double>(w, h, 1e-14);
 }
 TEST(Fft, FloatRoundTripsAndConvolvesWithoutWrapping) {
-  check_round_trip_and_convolution<float>(1e-6);
+  for (const auto& [w, h] : sizes) check_round_trip_and_convolution<float>(w, h, 1e-6);
 }
 
 TEST(Fft, GridSizesAreFastAndLargeEnough) {
   const FftGrid grid = make_fft_grid(222, 88, 24, 24);
   EXPECT_EQ(grid.padded_width, 250);
   EXPECT_EQ(grid.padded_height, 120);
-  EXPECT_EQ(grid.spectrum_width, 126);
+  EXPECT_EQ(grid.frequencies<float>(), 128u * 120u);
 }
 
 }  // namespace

@@ -7,14 +7,14 @@
 #define PARIAN_FFT_HAS_AVX2 1
 #endif
 
-#define PARIAN_DECLARE_FFT(space)                                                          \
-  namespace parian::space {                                                                \
-  void forward_float(const FftGrid& grid, const float* plane, int width, int height,       \
-                     std::complex<float>* spectrum);                                       \
-  void forward_double(const FftGrid& grid, const double* plane, int width, int height,     \
-                      std::complex<double>* spectrum);                                     \
-  void inverse_float(const FftGrid& grid, std::complex<float>* spectrum, float* plane);    \
-  void inverse_double(const FftGrid& grid, std::complex<double>* spectrum, double* plane); \
+#define PARIAN_DECLARE_FFT(space)                                                      \
+  namespace parian::space {                                                            \
+  void forward_float(const FftGrid& grid, const float* plane, int width, int height,   \
+                     float* spectrum);                                                 \
+  void forward_double(const FftGrid& grid, const double* plane, int width, int height, \
+                      double* spectrum);                                               \
+  void inverse_float(const FftGrid& grid, float* spectrum, float* plane);              \
+  void inverse_double(const FftGrid& grid, double* spectrum, double* plane);           \
   }
 
 PARIAN_DECLARE_FFT(fft_baseline)
