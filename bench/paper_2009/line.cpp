@@ -84,6 +84,11 @@ void study_line(Study& study) {
   for (std::size_t i = 0; i < ratio.values.size(); ++i)
     ratio.values[i] = std::log(model.values[i] / data.values[i]);
 
+  double worst = 0;
+  for (const float value : ratio.values)
+    worst = std::max(worst, std::abs(static_cast<double>(value)));
+  const std::string title = fmt::format("error: ln(model / data), at most {:.2f}", worst);
+
   const ColorScale scale = log_scale(largest(data), decades, "[1/mm^2]");
   const ColorScale errors = diverging_scale(0.5, "ln(model / data)");
   Image data_panel = draw_line(line, data, scale, "data: R_d(x, x + d)", false);
@@ -95,14 +100,14 @@ void study_line(Study& study) {
   mark(profile_panel, line, from_x, to_d, blue);
   mark(profile_panel, line, from_x + to_d, -to_d, green);
   const int height = data.height * magnification;
-  write_picture(study, "line",
-                arrange({{draw_strip(line, map)},
-                         {data_panel, draw_color_bar(scale, height)},
-                         {profile_panel, draw_color_bar(scale, height)},
-                         {model_panel, draw_color_bar(scale, height)},
-                         {draw_line(line, ratio, errors, "error: ln(model / data)", true),
-                          draw_color_bar(errors, height)}},
-                        4));
+  write_picture(
+      study, "line",
+      arrange({{draw_strip(line, map)},
+               {data_panel, draw_color_bar(scale, height)},
+               {profile_panel, draw_color_bar(scale, height)},
+               {model_panel, draw_color_bar(scale, height)},
+               {draw_line(line, ratio, errors, title, true), draw_color_bar(errors, height)}},
+              4));
 }
 
 }  // namespace parian::paper_2009

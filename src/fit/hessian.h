@@ -23,8 +23,12 @@ struct Hessian {
   ProductMethod method = ProductMethod::fft;
   FftGrid grid;
   std::size_t knots = 0;
-  std::vector<double> diagonal;  // [k][y][x]: u (K_kk * u), summed over terms
-  std::vector<double> coupling;  // [k][y][x]: the same for (k, k+1); knots - 1 planes
+  // The block diagonal. Rows of pixels with the same blocks are stored once: without pixel weights
+  // all rows that are farther than the reach from both edges.
+  std::vector<std::uint32_t> block_row;  // [y]: which stored row
+  std::size_t block_rows = 0;
+  std::vector<double> diagonal;  // [k][row][x]: u (K_kk * u), summed over terms
+  std::vector<double> coupling;  // [k][row][x]: the same for (k, k+1); knots - 1 planes
   std::vector<float> diagonal_single, coupling_single;
   // Per weight term: real spectra of the kernels 2 phi c_k c_l, planes in the order
   // (0,0), (0,1), (1,1), (1,2), ... of (k,l). Those in double precision only on request.
