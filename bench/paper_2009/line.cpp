@@ -62,6 +62,37 @@ double largest(const Image& image) {
   return max;
 }
 
+struct LineImages {
+  Image data, profiles, model, ratio;  // ratio: ln(model / data)
+};
+
+LineImages sample_images(const Line& line, const BssrdfTable& table, const ProfileMap& map) {
+  LineImages images;
+  images.data = sample_line(line, [&](int x, int d) {
+    return table_value(table, channel, x, line_y, {d, 0});
+  });
+  images.profiles = sample_line(line, [&](int x, int d) {
+    return std::exp(
+        eval_log_profile(get_profile(map, channel, x, line_y), std::abs(d) * line.pitch));
+  });
+  images.model = sample_line(line, [&](int x, int d) {
+    const bool inside = x + d >= 0 && x + d < line.width;
+    return inside ? model_value(map, channel, x, line_y, {d, 0}) : std::nan("");
+  });
+  images.ratio = images.model;
+  for (std::size_t i = 0; i < images.ratio.values.size(); ++i)
+    images.ratio.values[i] = std::log(images.model.values[i] / images.data.values[i]);
+  return images;
+}
+
+Image draw_errors(const Line& line, const Image& ratio, const ColorScale& scale) {
+  double worst = 0;
+  for (const float value : ratio.values)
+    worst = std::max(worst, std::abs(static_cast<double>(value)));
+  return draw_line(line, ratio, scale,
+                   fmt::format("error: ln(model / data), at most {:.2f}", worst), true);
+}
+
 }  // namespace
 
 void study_line(Study& study) {
@@ -69,45 +100,26 @@ void study_line(Study& study) {
   const ProfileMap map = fit_and_judge(table, {}).fit.map;
   const Line line{table.header.width, static_cast<int>(radius_px(table.header)),
                   table.header.pixel_pitch_mm};
-  const Image data = sample_line(line, [&](int x, int d) {
-    return table_value(table, channel, x, line_y, {d, 0});
-  });
-  const Image profiles = sample_line(line, [&](int x, int d) {
-    return std::exp(
-        eval_log_profile(get_profile(map, channel, x, line_y), std::abs(d) * line.pitch));
-  });
-  const Image model = sample_line(line, [&](int x, int d) {
-    const bool inside = x + d >= 0 && x + d < line.width;
-    return inside ? model_value(map, channel, x, line_y, {d, 0}) : std::nan("");
-  });
-  Image ratio = model;
-  for (std::size_t i = 0; i < ratio.values.size(); ++i)
-    ratio.values[i] = std::log(model.values[i] / data.values[i]);
-
-  double worst = 0;
-  for (const float value : ratio.values)
-    worst = std::max(worst, std::abs(static_cast<double>(value)));
-  const std::string title = fmt::format("error: ln(model / data), at most {:.2f}", worst);
-
-  const ColorScale scale = log_scale(largest(data), decades, "[1/mm^2]");
+  const LineImages images = sample_images(line, table, map);
+  const ColorScale scale = log_scale(largest(images.data), decades, "[1/mm^2]");
   const ColorScale errors = diverging_scale(0.5, "ln(model / data)");
-  Image data_panel = draw_line(line, data, scale, "data: R_d(x, x + d)", false);
-  Image profile_panel = draw_line(line, profiles, scale, "profiles: P_x(|d|)", false);
-  Image model_panel = draw_line(line, model, scale, "model: sqrt(P_x(|d|) P_x+d(|d|))", false);
+  Image data = draw_line(line, images.data, scale, "data: R_d(x, x + d)", false);
+  Image profiles = draw_line(line, images.profiles, scale, "profiles: P_x(|d|)", false);
+  Image model = draw_line(line, images.model, scale, "model: sqrt(P_x(|d|) P_x+d(|d|))", false);
   const Color orange{0.9f, 0.2f, 0}, blue{0.01f, 0.08f, 0.9f}, green{0, 0.35f, 0.03f};
-  mark(data_panel, line, from_x, to_d, orange);
-  mark(model_panel, line, from_x, to_d, orange);
-  mark(profile_panel, line, from_x, to_d, blue);
-  mark(profile_panel, line, from_x + to_d, -to_d, green);
-  const int height = data.height * magnification;
-  write_picture(
-      study, "line",
-      arrange({{draw_strip(line, map)},
-               {data_panel, draw_color_bar(scale, height)},
-               {profile_panel, draw_color_bar(scale, height)},
-               {model_panel, draw_color_bar(scale, height)},
-               {draw_line(line, ratio, errors, title, true), draw_color_bar(errors, height)}},
-              4));
+  mark(data, line, from_x, to_d, orange);
+  mark(model, line, from_x, to_d, orange);
+  mark(profiles, line, from_x, to_d, blue);
+  mark(profiles, line, from_x + to_d, -to_d, green);
+  const Image bar = draw_color_bar(scale, images.data.height * magnification);
+  const Image error_bar = draw_color_bar(errors, images.data.height * magnification);
+  write_picture(study, "line",
+                arrange({{draw_strip(line, map)},
+                         {data, bar},
+                         {profiles, bar},
+                         {model, bar},
+                         {draw_errors(line, images.ratio, errors), error_bar}},
+                        4));
 }
 
 }  // namespace parian::paper_2009

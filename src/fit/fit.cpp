@@ -95,8 +95,10 @@ ProfileMap make_map(const TableHeader& header, const FitParams& params,
 
 void store(const std::vector<double>& p, int channel, ProfileMap& map) {
   float* target = knot_plane(map, channel, 0);
-  std::transform(p.begin(), p.end(), target,
-                 [](double value) { return static_cast<float>(value); });
+  parallel_for(map.knots_mm.size(), [&](std::size_t k) {
+    for (std::size_t i = k * map.pixels(); i < (k + 1) * map.pixels(); ++i)
+      target[i] = static_cast<float>(p[i]);
+  });
 }
 
 void refuse_bad_solution(const SliceSource& table, int channel, const SolveReport& report) {

@@ -60,6 +60,10 @@ void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const do
 void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const float* p, float* out,
                    HessianWorkspace& workspace, const PlaneHooks& hooks = {});
 
+// The field with that profile at every pixel.
+std::vector<double> make_constant_field(const ReducedSystem& system,
+                                        const std::vector<double>& profile);
+
 // The same for the field that has the value profile[k] at all pixels, without a convolution.
 void apply_hessian_to_constant(const ReducedSystem& system, const Hessian& hessian,
                                const std::vector<double>& profile, double* out,

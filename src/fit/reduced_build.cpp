@@ -14,7 +14,7 @@
 #include "base/parallel.h"
 #include "fit/pair_weights.h"
 #include "fit/reduced_system.h"
-#include "math/fast_math.h"
+#include "math/fast_log.h"
 
 namespace parian {
 namespace {
@@ -25,27 +25,21 @@ constexpr std::size_t lane_count =
 // Listed missing pairs per unknown beyond which products read the table again: 16 bytes.
 constexpr std::size_t missing_per_unknown = 4;
 
-// y <- 2 ln R where it is known, else 0. Adds to the sum of squares and counts known values.
-PARIAN_HOT void double_logs(float* PARIAN_RESTRICT y, std::size_t count,
-                            double* PARIAN_RESTRICT lanes, int* known) {
+// y = 2 ln R where R is known, else 0. Adds to the sum of squares and counts known values.
+PARIAN_HOT void double_logs(const float* PARIAN_RESTRICT r, float* PARIAN_RESTRICT y,
+                            std::size_t count, double* PARIAN_RESTRICT lanes, int* known) {
   int seen = 0;
-  std::size_t i = 0;
-  for (; i + lane_count <= count; i += lane_count) {
-    for (std::size_t j = 0; j < lane_count; ++j) {
-      const float v = y[i + j];
-      const bool valid = v >= -1e30f;  // neither NaN nor -infinity
-      const float doubled = valid ? 2 * v : 0.0f;
-      y[i + j] = doubled;
-      lanes[j] += static_cast<double>(doubled) * static_cast<double>(doubled);
-      seen += valid ? 1 : 0;
-    }
-  }
-  for (; i < count; ++i) {
-    const bool valid = y[i] >= -1e30f;
-    y[i] = valid ? 2 * y[i] : 0.0f;
-    lanes[0] += static_cast<double>(y[i]) * static_cast<double>(y[i]);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float log = fast_log(r[i]);
+    const bool valid = log >= -1e30f;  // neither NaN nor -infinity
+    y[i] = valid ? 2 * log : 0.0f;
     seen += valid ? 1 : 0;
   }
+  std::size_t i = 0;
+  for (; i + lane_count <= count; i += lane_count)
+    for (std::size_t j = 0; j < lane_count; ++j)
+      lanes[j] += static_cast<double>(y[i + j]) * static_cast<double>(y[i + j]);
+  for (; i < count; ++i) lanes[0] += static_cast<double>(y[i]) * static_cast<double>(y[i]);
   *known += seen;
 }
 
@@ -177,9 +171,8 @@ double load_offset(Build& build, std::size_t i, std::vector<float>& slice, Frame
     std::fill_n(lanes, lane_count, 0.0);
     known = 0;
     for (int y = 0; y < system.height; ++y) {
-      log_array(&slice[static_cast<std::size_t>(y) * static_cast<std::size_t>(system.width)],
-                frame.row(y), static_cast<std::size_t>(system.width));
-      double_logs(frame.row(y), static_cast<std::size_t>(system.width), lanes, &known);
+      double_logs(&slice[static_cast<std::size_t>(y) * static_cast<std::size_t>(system.width)],
+                  frame.row(y), static_cast<std::size_t>(system.width), lanes, &known);
     }
   };
   const bool hold_out = system.hold_out.fraction > 0;

@@ -259,15 +259,6 @@ std::vector<double> fit_mean_profile(const ReducedSystem& system) {
   return {profile.data(), profile.data() + profile.size()};
 }
 
-std::vector<double> make_constant_field(const ReducedSystem& system,
-                                        const std::vector<double>& profile) {
-  std::vector<double> field(system.unknowns());
-  for (std::size_t k = 0; k < profile.size(); ++k)
-    std::fill_n(field.begin() + static_cast<std::ptrdiff_t>(k * system.pixels()), system.pixels(),
-                profile[k]);
-  return field;
-}
-
 SolveReport solve_reduced(const ReducedSystem& system, const Hessian& hessian,
                           const Preconditioner& preconditioner, const SolveParams& params,
                           const std::vector<double>& profile, std::vector<double>& p,

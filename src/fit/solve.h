@@ -27,10 +27,6 @@ struct SolveReport {
 // The profile that minimises E when every pixel has the same.
 std::vector<double> fit_mean_profile(const ReducedSystem& system);
 
-// The field with that profile at every pixel.
-std::vector<double> make_constant_field(const ReducedSystem& system,
-                                        const std::vector<double>& profile);
-
 // Improves p in place, starting from its value. `profile` is a profile near p's mean.
 SolveReport solve_reduced(const ReducedSystem& system, const Hessian& hessian,
                           const Preconditioner& preconditioner, const SolveParams& params,
