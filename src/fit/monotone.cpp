@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
 
 #include "base/parallel.h"
-#include "material/profile_map.h"
 
 namespace parian {
 namespace {
@@ -17,13 +17,29 @@ struct Pool {
   std::size_t count = 0;
 };
 
-double log_integral(const std::vector<double>& knots, const std::vector<double>& values) {
+// A distance at which pairs lie, and how many ordered pairs of a pixel do.
+struct Ring {
+  std::size_t segment = 0;
+  double fraction = 0, count = 0;
+};
+
+std::vector<Ring> make_rings(const ReducedSystem& system) {
+  std::map<std::pair<int, double>, double> counts;
+  for (std::size_t i = 0; i < system.offsets.size(); ++i)
+    counts[{system.segment[i], system.fraction[i]}] += system.pair_count[i];
+  std::vector<Ring> rings;
+  for (const auto& [place, count] : counts)
+    rings.push_back({static_cast<std::size_t>(place.first), place.second, count});
+  return rings;
+}
+
+// ln of the albedo of a uniform sample with this profile: the sum of P over a pixel's pairs.
+double log_albedo(const std::vector<Ring>& rings, const std::vector<double>& values) {
   // Relative to the maximum, so that nothing under- or overflows.
   const double top = *std::max_element(values.begin(), values.end());
   double sum = 0;
-  for (std::size_t k = 0; k + 1 < knots.size(); ++k)
-    sum +=
-        segment_integral(knots[k], knots[k + 1] - knots[k], values[k] - top, values[k + 1] - top);
+  for (const auto& [k, f, count] : rings)
+    sum += count * std::exp((1 - f) * values[k] + f * values[k + 1] - top);
   return top + std::log(sum);
 }
 
@@ -67,6 +83,7 @@ bool make_non_increasing(std::vector<double>& values, const std::vector<double>&
 std::size_t project_monotone(const ReducedSystem& system, std::vector<double>& p) {
   const std::size_t pixels = system.pixels(), knots = system.knots();
   const std::vector<double> weights = pair_weights_of_knots(system);
+  const std::vector<Ring> rings = make_rings(system);
   std::atomic<std::size_t> touched{0};
   parallel_for_blocks(pixels, pixel_block, [&](std::size_t begin, std::size_t end) {
     std::vector<double> values(knots);
@@ -75,8 +92,7 @@ std::size_t project_monotone(const ReducedSystem& system, std::vector<double>& p
       const std::vector<double> before = values;
       if (!make_non_increasing(values, weights)) continue;
       ++touched;
-      const double shift =
-          log_integral(system.knots_mm, before) - log_integral(system.knots_mm, values);
+      const double shift = log_albedo(rings, before) - log_albedo(rings, values);
       for (std::size_t k = 0; k < knots; ++k) p[k * pixels + x] = values[k] + shift;
     }
   });
