@@ -10,69 +10,16 @@
 
 #include "base/check.h"
 #include "base/error.h"
-#include "base/hot.h"
 #include "base/parallel.h"
 #include "fit/pair_weights.h"
 #include "fit/reduced_system.h"
-#include "math/fast_log.h"
+#include "fit/stream_kernels.h"
 
 namespace parian {
 namespace {
 
-constexpr std::size_t batch_size = 4;  // offsets whose contributions are added in one sweep
-constexpr std::size_t lane_count =
-    8;  // fixed partial sums: the same bits for every instruction set
 // Listed missing pairs per unknown beyond which products read the table again: 16 bytes.
 constexpr std::size_t missing_per_unknown = 4;
-
-// y = 2 ln R where R is known, else 0. Adds to the sum of squares and counts known values.
-PARIAN_HOT void double_logs(const float* PARIAN_RESTRICT r, float* PARIAN_RESTRICT y,
-                            std::size_t count, double* PARIAN_RESTRICT lanes, int* known) {
-  // Three loops: compilers vectorise each, but not their union.
-  for (std::size_t i = 0; i < count; ++i) y[i] = fast_log(r[i]);
-  int seen = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool valid = y[i] >= -1e30f;  // neither NaN nor -infinity
-    y[i] = valid ? 2 * y[i] : 0.0f;
-    seen += valid ? 1 : 0;
-  }
-  std::size_t i = 0;
-  for (; i + lane_count <= count; i += lane_count)
-    for (std::size_t j = 0; j < lane_count; ++j)
-      lanes[j] += static_cast<double>(y[i + j]) * static_cast<double>(y[i + j]);
-  for (; i < count; ++i) lanes[0] += static_cast<double>(y[i]) * static_cast<double>(y[i]);
-  *known += seen;
-}
-
-// low += sum_j a_j (s_j + t_j), high += sum_j b_j (s_j + t_j) for four offsets.
-PARIAN_HOT void accumulate_row(double* PARIAN_RESTRICT low, double* PARIAN_RESTRICT high,
-                               const float* const* sources, const double* a, const double* b,
-                               std::size_t count) {
-  const float *PARIAN_RESTRICT s0 = sources[0], *PARIAN_RESTRICT t0 = sources[1];
-  const float *PARIAN_RESTRICT s1 = sources[2], *PARIAN_RESTRICT t1 = sources[3];
-  const float *PARIAN_RESTRICT s2 = sources[4], *PARIAN_RESTRICT t2 = sources[5];
-  const float *PARIAN_RESTRICT s3 = sources[6], *PARIAN_RESTRICT t3 = sources[7];
-  const double a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3], b0 = b[0], b1 = b[1], b2 = b[2],
-               b3 = b[3];
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto y0 = static_cast<double>(s0[i] + t0[i]), y1 = static_cast<double>(s1[i] + t1[i]);
-    const auto y2 = static_cast<double>(s2[i] + t2[i]), y3 = static_cast<double>(s3[i] + t3[i]);
-    low[i] += (a0 * y0 + a1 * y1) + (a2 * y2 + a3 * y3);
-    high[i] += (b0 * y0 + b1 * y1) + (b2 * y2 + b3 * y3);
-  }
-}
-
-PARIAN_HOT double sum_known(const float* values, std::size_t count) {
-  double lanes[lane_count] = {};
-  std::size_t i = 0;
-  for (; i + lane_count <= count; i += lane_count)
-    for (std::size_t j = 0; j < lane_count; ++j)
-      lanes[j] += values[i + j] > 0 ? static_cast<double>(values[i + j]) : 0.0;
-  for (; i < count; ++i) lanes[0] += values[i] > 0 ? static_cast<double>(values[i]) : 0.0;
-  double sum = 0;
-  for (double lane : lanes) sum += lane;
-  return sum;
-}
 
 // A slice of 2 ln R in a frame of zeros as wide as the reach of the offsets.
 struct Frame {
@@ -82,6 +29,12 @@ struct Frame {
   float* row(int y) {
     return values.data() + (static_cast<std::size_t>(y) + margin_y) * stride + margin_x;
   }
+};
+
+// What a thread reuses from segment to segment.
+struct Scratch {
+  std::vector<float> slice;
+  std::array<Frame, batch_size> frames;
 };
 
 struct OffsetSums {
@@ -210,7 +163,8 @@ double load_offset(Build& build, std::size_t i, std::vector<float>& slice, Frame
 }
 
 // All offsets of one segment: they touch the knots segment and segment + 1 only.
-void build_segment(Build& build, int segment, const Progress& progress, std::thread::id caller) {
+void build_segment(Build& build, int segment, Scratch& scratch, const Progress& progress,
+                   std::thread::id caller) {
   ReducedSystem& system = build.system;
   std::vector<std::size_t> members;
   for (std::size_t i = 0; i < system.offsets.size(); ++i)
@@ -220,9 +174,7 @@ void build_segment(Build& build, int segment, const Progress& progress, std::thr
   const std::size_t pixels = system.pixels();
   double* low = system.right_hand_side.data() + static_cast<std::size_t>(segment) * pixels;
   double* high = build.high.data() + static_cast<std::size_t>(segment) * pixels;
-  std::vector<float> slice(pixels);
-  std::array<Frame, batch_size> frames;
-  for (Frame& frame : frames) frame = make_frame(system);
+  std::array<Frame, batch_size>& frames = scratch.frames;
 
   for (std::size_t begin = 0; begin < members.size(); begin += batch_size) {
     if (progress.is_cancelled && std::this_thread::get_id() == caller && progress.is_cancelled())
@@ -231,7 +183,7 @@ void build_segment(Build& build, int segment, const Progress& progress, std::thr
     std::array<Offset, batch_size> offsets{};
     for (std::size_t j = 0; j < batch_size && begin + j < members.size(); ++j) {
       const std::size_t i = members[begin + j];
-      const double factor = load_offset(build, i, slice, frames[j]);
+      const double factor = load_offset(build, i, scratch.slice, frames[j]);
       a[j] = factor * (1 - system.fraction[i]);
       b[j] = factor * system.fraction[i];
       offsets[j] = system.offsets[i];
@@ -346,12 +298,22 @@ std::vector<std::uint32_t> stream(const SliceSource& table, const ReducedParams&
   const std::size_t segments = system.knots() - 1;
   const auto caller = std::this_thread::get_id();
   std::atomic<std::size_t> done{0};
-  parallel_for(segments, [&](std::size_t task) {
-    build_segment(build, static_cast<int>(segments - 1 - task), progress,
-                  caller);  // the longest first
-    const double share = static_cast<double>(++done) / static_cast<double>(segments);
-    if (std::this_thread::get_id() == caller)
-      advance_progress(progress, "reading the table", share);
+  std::atomic<std::size_t> next{0};
+  const std::size_t workers = std::min(segments, static_cast<std::size_t>(thread_count()));
+  parallel_for(workers, [&](std::size_t) {
+    Scratch scratch{std::vector<float>(system.pixels()), {}};
+    for (Frame& frame : scratch.frames) frame = make_frame(system);
+    try {
+      for (std::size_t task = next++; task < segments; task = next++) {  // the longest first
+        build_segment(build, static_cast<int>(segments - 1 - task), scratch, progress, caller);
+        const double share = static_cast<double>(++done) / static_cast<double>(segments);
+        if (std::this_thread::get_id() == caller)
+          advance_progress(progress, "reading the table", share);
+      }
+    } catch (...) {
+      next = segments;  // the other threads stop as well
+      throw;
+    }
   });
   add_up(build);
   if (system.pair_weight == PairWeight::energy && params.weights.empty())
