@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/check.h"
 #include "base/parallel.h"
 #include "fit/hessian.h"
 
@@ -40,6 +41,23 @@ void add_to(std::vector<float>& x, double factor, const std::vector<float>& r) {
   });
 }
 
+// Eq. 8 has a row for each ordered pair: (x, x + d) and (x + d, x) are two.
+void list_ordered_pairs(ReducedSystem& system) {
+  PARIAN_CHECK_EQ(system.not_measured,
+                  std::size_t{0});  // rows of missing pairs are not left out here
+  const std::size_t listed = system.offsets.size();
+  for (std::size_t i = 0; i < listed; ++i) {
+    if (system.pair_count[i] < 2) continue;
+    system.pair_count[i] = 1;
+    system.offsets.push_back({-system.offsets[i].dx, -system.offsets[i].dy});
+    system.pair_count.push_back(1);
+    system.segment.push_back(system.segment[i]);
+    system.fraction.push_back(system.fraction[i]);
+    system.weights[0].phi.push_back(system.weights[0].phi[i]);
+    system.missing.emplace_back();
+  }
+}
+
 }  // namespace
 
 ReferenceResult fit_subedit_2009(const SliceSource& table, int channel, int segments, double lambda,
@@ -51,7 +69,8 @@ ReferenceResult fit_subedit_2009(const SliceSource& table, int channel, int segm
   reduced.lambda = lambda;
   reduced.weight = PairWeight::uniform;
   // A^T y and the row geometry; the products below go over the pairs, row by row.
-  const ReducedSystem system = make_reduced_system(table, channel, reduced);
+  ReducedSystem system = make_reduced_system(table, channel, reduced);
+  list_ordered_pairs(system);
   Hessian rows;
   rows.method = ProductMethod::explicit_;
   rows.knots = system.knots();

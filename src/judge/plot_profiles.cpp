@@ -79,7 +79,7 @@ Image plot_pixel(const PixelPairs& pairs, const ProfileMap* map, PlotPixel pixel
     if (pairs.data[i] > 0) least = std::min(least, pairs.data[i]);
     r_max = std::max(r_max, pairs.r_mm[i]);
   }
-  plot.series.push_back({"measured", pairs.r_mm, pairs.data, {0.3f, 0.31f, 0.33f}, true, 5, 0.55});
+  plot.series.push_back({"table", pairs.r_mm, pairs.data, {0.3f, 0.31f, 0.33f}, true, 5, 0.55});
   plot.series.push_back({"model, same pairs", pairs.r_mm, pairs.model,
                          colors[channels == 3 ? channel : 0], true, 2.4, 1});
   if (map && r_max > 0) plot.series.push_back(make_profile_line(*map, pixel, channel, r_max));

@@ -8,6 +8,7 @@
 #include "app/cli/command.h"
 #include "app/cli/inputs.h"
 #include "app/cli/output.h"
+#include "app/report/provenance.h"
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
 
@@ -19,10 +20,10 @@ struct FitOptions {
   FitParams params;
 };
 
-std::string summarise(const FitResult& result, const std::string& output) {
+std::string summarise(const FitResult& result, const FitOptions& options) {
   const ProfileMap& map = result.map;
   const FitReport& report = result.report;
-  std::string text = fmt::format("{}: {} x {} profiles of {} knots, {} channels\n", output,
+  std::string text = fmt::format("{}: {} x {} profiles of {} knots, {} channels\n", options.output,
                                  map.width, map.height, map.knots_mm.size(), map.channels);
   for (std::size_t c = 0; c < report.channels.size(); ++c) {
     const FitChannelReport& channel = report.channels[c];
@@ -34,6 +35,10 @@ std::string summarise(const FitResult& result, const std::string& output) {
   }
   if (report.pixels_filled > 0)
     text += fmt::format("  {} pixels without a measured pair filled\n", report.pixels_filled);
+  for (const FitChannelReport& channel : report.channels)
+    if (channel.relative_residual > options.params.tolerance)
+      text += fmt::format("  not solved to the tolerance of {}: raise max-iterations or lambda\n",
+                          options.params.tolerance);
   return text + fmt::format("  seconds: {:.2f} reading, {:.2f} solving, {:.2f} non-increasing\n",
                             report.seconds_stream, report.seconds_solve, report.seconds_monotone);
 }
@@ -42,10 +47,11 @@ void fit(const FitOptions& options, const Context& context) {
   check_output(options.output, {options.table});
   check_figures(context);
   const std::unique_ptr<SliceSource> table = open_table(options.table);
-  const FitResult result = fit_profiles(*table, options.params, context.progress);
+  FitResult result = fit_profiles(*table, options.params, context.progress);
+  result.map.provenance = make_fit_provenance(*table, options.params);
   save_profile_map(options.output, result.map);
   write_figures(context, to_document(result.report));
-  print_summary(context, summarise(result, options.output));
+  print_summary(context, summarise(result, options));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "app/cli/cli.h"
 #include "app/cli/interrupt.h"
+#include "base/memory.h"
 
 namespace {
 
@@ -38,6 +39,7 @@ int main(int argc, char** argv) {
         stderr);
     return 1;
   }
+  parian::keep_freed_memory();
   parian::catch_interrupts();
   return parian::run_cli(argc, argv);
 }

@@ -10,6 +10,7 @@
 
 #include "app/report/html.h"
 #include "app/report/pictures.h"
+#include "app/report/provenance.h"
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
@@ -105,6 +106,7 @@ std::vector<std::string> commands_of(const PipelineSample& sample, const Pipelin
 PipelineResult run_pipeline(const PipelineSample& sample, const Progress& progress) {
   const std::unique_ptr<SliceSource> table = open_table(sample.table);
   FitResult fitted = fit_profiles(*table, {}, progress);
+  fitted.map.provenance = make_fit_provenance(*table, {});
   PipelineResult result;
   result.fit = fitted.report;
   result.knots = fitted.map.knots_mm.size();

@@ -1,0 +1,36 @@
+#include "app/report/provenance.h"
+
+#include <filesystem>
+
+#include "base/error.h"
+#include "io/json/json.h"
+
+namespace parian {
+namespace {
+
+// The provenance of others' tables may be any text.
+Document parse_leniently(const std::string& text) {
+  try {
+    return parse_document(text, "provenance");
+  } catch (const Error&) {
+    return text;
+  }
+}
+
+}  // namespace
+
+std::string make_fit_provenance(const SliceSource& table, const FitParams& params) {
+  FitParams copy = params;
+  Document source{Document::Object{}};
+  set(source, "file", std::filesystem::path(table.name()).filename().string());
+  if (!table.header().provenance.empty())
+    set(source, "provenance", parse_leniently(table.header().provenance));
+  Document provenance{Document::Object{}};
+  set(provenance, "kind", "fit");
+  set(provenance, "program", "parian " PARIAN_VERSION);
+  set(provenance, "parameters", write_params(describe(copy)));
+  set(provenance, "table", source);
+  return format_document(provenance);
+}
+
+}  // namespace parian
