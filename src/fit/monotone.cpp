@@ -28,6 +28,7 @@ std::vector<Ring> make_rings(const ReducedSystem& system) {
   for (std::size_t i = 0; i < system.offsets.size(); ++i)
     counts[{system.segment[i], system.fraction[i]}] += system.pair_count[i];
   std::vector<Ring> rings;
+  rings.reserve(counts.size());
   for (const auto& [place, count] : counts)
     rings.push_back({static_cast<std::size_t>(place.first), place.second, count});
   return rings;

@@ -11,9 +11,9 @@ namespace parian {
 // ln m = 2 (s + s^3/3 + s^5/5 + ...); s^2 <= 0.0295, so the terms to s^9 leave less than 1e-9.
 [[gnu::always_inline]] inline float fast_log(float x) {
   constexpr float ln2_high = 0.693359375f, ln2_low = -2.12194440e-4f;
-  const auto bits = std::bit_cast<std::int32_t>(x);
-  const std::int32_t exponent = (bits - 0x3f3504f3) >> 23;
-  const float m = std::bit_cast<float>(bits - (exponent << 23));
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  const std::int32_t exponent = std::bit_cast<std::int32_t>(bits - 0x3f3504f3u) >> 23;
+  const float m = std::bit_cast<float>(bits - (std::bit_cast<std::uint32_t>(exponent) << 23u));
   const auto e = static_cast<float>(exponent);
   const float s = (m - 1) / (m + 1);
   const float s2 = s * s;

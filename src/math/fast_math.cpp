@@ -31,8 +31,8 @@ PARIAN_HOT void exp_array(const float* PARIAN_RESTRICT in, float* PARIAN_RESTRIC
                           f * (0.16666667f + f * (0.041666668f +
                                                   f * (0.0083333338f +
                                                        f * (0.0013888889f + f * 1.9841270e-4f))))));
-    const std::int32_t power = std::bit_cast<std::int32_t>(shifted) << 23;
-    const float value = std::bit_cast<float>(std::bit_cast<std::int32_t>(p) + power);
+    const std::uint32_t power = std::bit_cast<std::uint32_t>(shifted) << 23u;
+    const float value = std::bit_cast<float>(std::bit_cast<std::uint32_t>(p) + power);
     out[i] = x < -87.0f ? 0.0f : (x == x ? value : x);
   }
 }

@@ -14,6 +14,9 @@
 #include "math/fft_variants.h"
 
 #define POCKETFFT_NO_MULTITHREADING
+// pocketfft calls aligned_alloc with sizes that are no multiple of the alignment, which C++17 does
+// not allow; its fallback over malloc is as good.
+#define _LIBCPP_HAS_NO_ALIGNED_ALLOCATION  // NOLINT(bugprone-reserved-identifier)
 // Vectors never cross a boundary between translation units.
 #pragma GCC diagnostic ignored "-Wpsabi"
 #ifdef PARIAN_FFT_HAS_AVX2

@@ -7,25 +7,24 @@
 #include "app/cli/output.h"
 
 namespace parian {
-namespace {
-
-struct DemoOptions {
-  std::string output = "out/demo", data;
-};
-
-}  // namespace
 
 CommandSpec make_demo_command() {
-  const auto options = std::make_shared<DemoOptions>();
+  const auto options = std::make_shared<DemoParams>();
   CommandSpec command;
   command.name = "demo";
   command.summary = "take bundled samples from table to relit fit, and show it on a page";
   command.example = "parian demo -o out/demo";
-  command.flags = {{"output", 'o', "DIR", "folder for the page and its files", &options->output},
-                   {"data", 0, "DIR", "folder with the bundled samples", &options->data}};
+  command.flags = {{"output", 'o', "DIR", "folder for the page and its files", &options->folder},
+                   {"data", 0, "DIR", "folder with the bundled samples", &options->data},
+                   {"small",
+                    0,
+                    {},
+                    "a small chessboard instead of the one at the paper's size",
+                    &options->small}};
   command.run = [options](const Context& context) {
-    const std::string data = options->data.empty() ? find_data_folder() : options->data;
-    const std::string page = make_demo(data, options->output, context.progress);
+    DemoParams params = *options;
+    if (params.data.empty()) params.data = find_data_folder();
+    const std::string page = make_demo(params, context.progress);
     print_summary(context, "the demo's page: " + page + "\n");
   };
   return command;

@@ -61,10 +61,11 @@ std::string find_data_folder() {
   return PARIAN_SOURCE_DIR "/data";
 }
 
-std::string make_demo(const std::string& data, const std::string& folder,
-                      const Progress& progress) {
-  const std::string description = data + "/samples/chessboard-small.json";
-  const std::string stone = data + "/stone-72x64.h5", board = folder + "/chessboard.h5";
+std::string make_demo(const DemoParams& params, const Progress& progress) {
+  const std::string& folder = params.folder;
+  const std::string description =
+      params.data + (params.small ? "/samples/chessboard-small.json" : "/samples/chessboard.json");
+  const std::string stone = params.data + "/stone-72x64.h5", board = folder + "/chessboard.h5";
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   check_writable(folder + "/index.html");

@@ -7,9 +7,14 @@
 
 namespace parian {
 
-// Writes tables, maps, reports, pictures and index.html into `folder`; returns the page's path.
-// `data` holds the bundled samples.
-std::string make_demo(const std::string& data, const std::string& folder, const Progress& progress);
+struct DemoParams {
+  std::string data;                 // folder of the bundled samples
+  std::string folder = "out/demo";  // where results go
+  bool small = false;               // a small chessboard instead of the one at the paper's size
+};
+
+// Writes tables, maps, reports, pictures and index.html; returns the page's path.
+std::string make_demo(const DemoParams& params, const Progress& progress);
 
 // Where the bundled data are: beside an installed program, else in the source tree.
 std::string find_data_folder();

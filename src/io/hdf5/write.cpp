@@ -128,6 +128,8 @@ void NewFile::add_dataset(const char* name, hid_t type, const std::vector<hsize_
   for (const hsize_t size : shape) bytes *= static_cast<std::size_t>(size);
   reserve(bytes);
   const Id plist(check(H5Pcreate(H5P_DATASET_CREATE)), H5Pclose);
+  check(H5Pset_obj_track_times(plist.get(), false));  // the same table gives the same bytes
+  check(H5Pset_obj_track_times(plist.get(), false));  // the same bytes at any time of day
   check(H5Pset_alloc_time(plist.get(), H5D_ALLOC_TIME_EARLY));
   check(H5Pset_fill_time(plist.get(), H5D_FILL_TIME_NEVER));
   const Id space(check(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr)),
@@ -146,6 +148,8 @@ Id NewFile::add_chunked(const char* name, const std::vector<hsize_t>& shape,
   const int rank = static_cast<int>(shape.size());
   const float fill = std::numeric_limits<float>::quiet_NaN();
   const Id plist(check(H5Pcreate(H5P_DATASET_CREATE)), H5Pclose);
+  check(H5Pset_obj_track_times(plist.get(), false));  // the same table gives the same bytes
+  check(H5Pset_obj_track_times(plist.get(), false));
   check(H5Pset_chunk(plist.get(), rank, chunk.data()));
   check(H5Pset_fill_value(plist.get(), H5T_NATIVE_FLOAT, &fill));
   check(H5Pset_fill_time(plist.get(), H5D_FILL_TIME_NEVER));
