@@ -25,22 +25,21 @@ template <typename Real>
 
 // Counts are multiples of the lanes: spectra come in whole blocks.
 template <typename Real>
-[[gnu::always_inline]] inline void multiply_values(Real* here, const Real* above, Real* previous,
-                                                   const Real* diagonal, const Real* up,
-                                                   const Real* down, Real use_up, Real use_down,
-                                                   std::size_t count) {
+[[gnu::always_inline]] inline void multiply_values(
+    Real* PARIAN_RESTRICT here, const Real* PARIAN_RESTRICT above, Real* PARIAN_RESTRICT previous,
+    const Real* PARIAN_RESTRICT diagonal, const Real* PARIAN_RESTRICT up,
+    const Real* PARIAN_RESTRICT down, Real use_up, Real use_down, std::size_t count) {
   constexpr std::size_t lanes = spectrum_lanes<Real>;
   for (std::size_t f = 0; f < count; f += lanes) {
-    for (std::size_t part = 0; part < 2 * lanes; part += lanes) {
-      Real* PARIAN_RESTRICT h = here + 2 * f + part;
-      Real* PARIAN_RESTRICT before = previous + 2 * f + part;
-      const Real* PARIAN_RESTRICT next = above + 2 * f + part;
+    for (std::size_t part = 2 * f; part < 2 * f + 2 * lanes; part += lanes) {
+      Real product[lanes], old[lanes];
       for (std::size_t l = 0; l < lanes; ++l) {
-        const Real old = h[l];
-        h[l] = diagonal[f + l] * old + use_up * up[f + l] * next[l] +
-               use_down * down[f + l] * before[l];
-        before[l] = old;
+        old[l] = here[part + l];
+        product[l] = diagonal[f + l] * old[l] + use_up * up[f + l] * above[part + l] +
+                     use_down * down[f + l] * previous[part + l];
       }
+      for (std::size_t l = 0; l < lanes; ++l) here[part + l] = product[l];
+      for (std::size_t l = 0; l < lanes; ++l) previous[part + l] = old[l];
     }
   }
 }
@@ -53,14 +52,16 @@ PARIAN_HOT void local_row_double(const LocalRow* row, const double* const* in, d
                                  std::size_t count) {
   add_local_values(*row, in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7], out, count);
 }
-PARIAN_HOT void multiply_float(float* here, const float* above, float* previous,
-                               const float* diagonal, const float* up, const float* down,
-                               float use_up, float use_down, std::size_t count) {
+PARIAN_HOT void multiply_float(float* PARIAN_RESTRICT here, const float* PARIAN_RESTRICT above,
+                               float* PARIAN_RESTRICT previous, const float* diagonal,
+                               const float* up, const float* down, float use_up, float use_down,
+                               std::size_t count) {
   multiply_values(here, above, previous, diagonal, up, down, use_up, use_down, count);
 }
-PARIAN_HOT void multiply_double(double* here, const double* above, double* previous,
-                                const double* diagonal, const double* up, const double* down,
-                                double use_up, double use_down, std::size_t count) {
+PARIAN_HOT void multiply_double(double* PARIAN_RESTRICT here, const double* PARIAN_RESTRICT above,
+                                double* PARIAN_RESTRICT previous, const double* diagonal,
+                                const double* up, const double* down, double use_up,
+                                double use_down, std::size_t count) {
   multiply_values(here, above, previous, diagonal, up, down, use_up, use_down, count);
 }
 

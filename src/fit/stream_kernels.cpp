@@ -10,19 +10,25 @@ namespace parian {
 // y = 2 ln R where R is known, else 0. Adds to the sum of squares and counts known values.
 PARIAN_HOT void double_logs(const float* PARIAN_RESTRICT r, float* PARIAN_RESTRICT y,
                             std::size_t count, double* PARIAN_RESTRICT lanes, int* known) {
-  // Three loops: compilers vectorise each, but not their union.
+  // Two loops: compilers vectorise each, but not their union.
   for (std::size_t i = 0; i < count; ++i) y[i] = fast_log(r[i]);
   int seen = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool valid = y[i] >= -1e30f;  // neither NaN nor -infinity
+  std::size_t i = 0;
+  for (; i + lane_count <= count; i += lane_count) {
+    for (std::size_t j = 0; j < lane_count; ++j) {
+      const bool valid = y[i + j] >= -1e30f;  // neither NaN nor -infinity
+      const float value = valid ? 2 * y[i + j] : 0.0f;
+      y[i + j] = value;
+      lanes[j] += static_cast<double>(value) * static_cast<double>(value);
+      seen += valid ? 1 : 0;
+    }
+  }
+  for (; i < count; ++i) {
+    const bool valid = y[i] >= -1e30f;
     y[i] = valid ? 2 * y[i] : 0.0f;
+    lanes[0] += static_cast<double>(y[i]) * static_cast<double>(y[i]);
     seen += valid ? 1 : 0;
   }
-  std::size_t i = 0;
-  for (; i + lane_count <= count; i += lane_count)
-    for (std::size_t j = 0; j < lane_count; ++j)
-      lanes[j] += static_cast<double>(y[i + j]) * static_cast<double>(y[i + j]);
-  for (; i < count; ++i) lanes[0] += static_cast<double>(y[i]) * static_cast<double>(y[i]);
   *known += seen;
 }
 
