@@ -1,8 +1,11 @@
-// Vectors whose storage starts on a cache line, as whole-register loads want it.
+// Vectors for numeric work space: storage starts on a cache line, as whole-register loads want it,
+// and AlignedVector<T>(n) leaves its elements unset, as they are about to be written.
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <new>
+#include <utility>
 #include <vector>
 
 namespace parian {
@@ -20,6 +23,14 @@ struct CacheLineAllocator {
     return static_cast<T*>(::operator new(count * sizeof(T), alignment));
   }
   void deallocate(T* pointer, std::size_t) { ::operator delete(pointer, alignment); }
+  template <typename U>
+  void construct(U* element) {
+    ::new (static_cast<void*>(element)) U;  // default, not value initialisation
+  }
+  template <typename U, typename... Arguments>
+  void construct(U* element, Arguments&&... arguments) {
+    std::construct_at(element, std::forward<Arguments>(arguments)...);
+  }
   friend bool operator==(CacheLineAllocator, CacheLineAllocator) { return true; }
 };
 

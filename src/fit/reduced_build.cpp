@@ -226,8 +226,11 @@ void normalise_energy_weights(ReducedSystem& system) {
 void add_up(Build& build) {
   ReducedSystem& system = build.system;
   const std::size_t pixels = system.pixels();
-  for (std::size_t i = pixels; i < system.right_hand_side.size(); ++i)
-    system.right_hand_side[i] += build.high[i - pixels];
+  parallel_for(system.knots() - 1, [&](std::size_t k) {
+    const double* from = &build.high[k * pixels];
+    double* to = &system.right_hand_side[(k + 1) * pixels];
+    for (std::size_t x = 0; x < pixels; ++x) to[x] += from[x];
+  });
   for (std::size_t i = 0; i < system.offsets.size(); ++i) {
     const OffsetSums& sums = build.sums[i];
     const double phi = has_pair_weights(system) ? 1 : system.weights[0].phi[i];

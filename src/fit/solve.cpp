@@ -7,6 +7,7 @@
 #include <functional>
 #include <numeric>
 
+#include "base/aligned.h"
 #include "base/check.h"
 #include "base/hot.h"
 #include "base/parallel.h"
@@ -59,7 +60,7 @@ PARIAN_HOT void direction_block(float beta, const float* PARIAN_RESTRICT z,
   for (std::size_t i = 0; i < count; ++i) d[i] = z[i] + beta * d[i];
 }
 
-double dot(const std::vector<float>& a, const std::vector<float>& b) {
+double dot(const AlignedVector<float>& a, const AlignedVector<float>& b) {
   return parallel_sum(a.size(), block, [&](std::size_t begin, std::size_t end) {
     return dot_block(&a[begin], &b[begin], end - begin);
   });
@@ -84,7 +85,7 @@ struct Solver {
   const SolveParams& params;
   const Progress& progress;
   HessianWorkspace workspace;
-  std::vector<float> x, r, z, d;  // z also holds H d
+  AlignedVector<float> x, r, z, d;  // z also holds H d
   double norm_b = 0;
   SolveReport report;
 };
@@ -133,9 +134,9 @@ void conjugate_gradient(Solver& s, double target) {
 void solve_single(Solver& s, const std::vector<double>& profile, std::vector<double>& p) {
   const std::size_t n = p.size(), pixels = s.system.pixels();
   const std::vector<double>& b = s.system.right_hand_side;
-  std::vector<double> g(n);  // first H m
+  AlignedVector<double> g(n);  // first H m
   apply_hessian_to_constant(s.system, s.hessian, profile, g.data(), s.workspace);
-  std::atomic<bool> from_mean{true};
+  std::atomic<bool> start_is_mean{true};
   // Blocks are planes, so the profile's value is the same within each.
   const double energy_of_mean =
       s.system.constant + parallel_sum(n, pixels, [&](std::size_t begin, std::size_t end) {
@@ -148,13 +149,16 @@ void solve_single(Solver& s, const std::vector<double>& profile, std::vector<dou
           s.x[i] = static_cast<float>(p[i] - m);
           same = same && s.x[i] == 0;
         }
-        if (!same) from_mean = false;
+        if (!same) start_is_mean = false;
         return sum;
       });
+  const bool from_mean = start_is_mean;
   if (!from_mean) apply_hessian(s.system, s.hessian, s.x.data(), s.r.data(), s.workspace);
   for_all(n, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      s.r[i] = static_cast<float>(-g[i] - static_cast<double>(s.r[i]));
+    for (std::size_t i = begin; i < end; ++i) {
+      s.r[i] = static_cast<float>(-g[i] - (from_mean ? 0.0 : static_cast<double>(s.r[i])));
+      s.d[i] = 0;
+    }
   });
   conjugate_gradient(s, s.params.tolerance * s.norm_b);
   s.report.relative_residual = s.norm_b > 0 ? std::sqrt(dot(s.r, s.r)) / s.norm_b : 0;
@@ -266,18 +270,8 @@ SolveReport solve_reduced(const ReducedSystem& system, const Hessian& hessian,
   const std::size_t n = system.unknowns();
   PARIAN_CHECK_EQ(p.size(), n);
   const std::vector<double>& b = system.right_hand_side;
-  Solver solver{system,
-                hessian,
-                preconditioner,
-                params,
-                progress,
-                {},
-                std::vector<float>(n),
-                std::vector<float>(n),
-                std::vector<float>(n),
-                std::vector<float>(n),
-                0,
-                {}};
+  Solver solver{system, hessian, preconditioner, params, progress, {}, {}, {}, {}, {}, 0, {}};
+  for (auto* vector : {&solver.x, &solver.r, &solver.z, &solver.d}) vector->resize(n);
   solver.norm_b = norm(b);
   if (params.tolerance >= single_precision_tolerance) {
     solve_single(solver, profile, p);
