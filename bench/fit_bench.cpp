@@ -63,7 +63,7 @@ void read_and_log(benchmark::State& state) {
   if (file < 0 || fstat(file, &info) != 0) return state.SkipWithError("cannot open the table");
   const auto bytes = static_cast<std::size_t>(info.st_size);
   const std::size_t part = 16 * floats * sizeof(float);  // what a task reads, block by block
-  for (auto iteration : state) {
+  for ([[maybe_unused]] auto iteration : state) {
     parallel_for((bytes + part - 1) / part, [&](std::size_t task) {
       alignas(64) thread_local float block[floats], logs[floats];
       for (std::size_t at = task * part; at < std::min(bytes, (task + 1) * part);
@@ -91,7 +91,7 @@ FitParams fit_params() {
 void fit_unconstrained(benchmark::State& state) {
   FitParams params = fit_params();
   params.monotone = false;
-  for (auto iteration : state) {
+  for ([[maybe_unused]] auto iteration : state) {
     const auto table = open_table(table_path());
     const FitResult result = fit_profiles(*table, params);
     state.counters["stream_s"] = result.report.seconds_stream;
@@ -102,7 +102,7 @@ void fit_unconstrained(benchmark::State& state) {
 }
 
 void fit_with_monotone_profiles(benchmark::State& state) {
-  for (auto iteration : state) {
+  for ([[maybe_unused]] auto iteration : state) {
     const auto table = open_table(table_path());
     const FitResult result = fit_profiles(*table, fit_params());
     state.counters["monotone_s"] = result.report.seconds_monotone;
@@ -115,7 +115,7 @@ void fit_one_channel_of(benchmark::State& state, const std::string& path) {
   FitParams params = fit_params();
   params.monotone = false;
   params.weight = PairWeight::uniform;
-  for (auto iteration : state) {
+  for ([[maybe_unused]] auto iteration : state) {
     const auto table = open_table(path);
     const FitResult result = fit_profiles(OneChannel(*table), params);
     state.counters["iterations"] = result.report.channels[0].iterations;
@@ -123,7 +123,7 @@ void fit_one_channel_of(benchmark::State& state, const std::string& path) {
   }
 }
 void subedit_2009_one_channel_of(benchmark::State& state, const std::string& path) {
-  for (auto iteration : state) {
+  for ([[maybe_unused]] auto iteration : state) {
     const auto table = open_table(path);
     const ReferenceResult result = fit_subedit_2009(*table, 0, segments, 0.01, tolerance, 20'000);
     state.counters["iterations"] = result.iterations;

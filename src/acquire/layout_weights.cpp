@@ -225,8 +225,9 @@ std::vector<float> make_weights(const Layout& layout, const LayoutGrid& grid) {
     for (std::size_t x = 0; x < width; ++x) {
       std::array<double, most> sum{};
       for (int k = 0; k < points * points; ++k) {
-        const Point p{(static_cast<double>(x) + (k % points + 0.5) / points) * grid.pixel_pitch_mm,
-                      (static_cast<double>(y) + (k / points + 0.5) / points) * grid.pixel_pitch_mm};
+        const int column = k % points, row = k / points;
+        const Point p{(static_cast<double>(x) + (column + 0.5) / points) * grid.pixel_pitch_mm,
+                      (static_cast<double>(y) + (row + 0.5) / points) * grid.pixel_pitch_mm};
         std::array<double, most> weights{};
         std::visit([&](const auto& kind) { fill_weights(kind, scene, p, weights.data()); }, layout);
         for (std::size_t m = 0; m < materials; ++m) sum[m] += weights[m];

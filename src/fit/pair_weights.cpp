@@ -37,6 +37,7 @@ std::vector<WeightTerm> make_weight_terms(const ReducedSystem& system,
   for (WeightTerm& term : terms) {
     PARIAN_CHECK(term.u.empty() || term.u.size() == system.pixels());
     std::vector<double> phi;
+    phi.reserve(system.table_index.size());
     for (int index : system.table_index)
       phi.push_back(term.phi.at(static_cast<std::size_t>(index)));
     term.phi = std::move(phi);

@@ -23,37 +23,31 @@ using Lanes = typename LanesOf<Real>::type;
 
 // Rows become columns.
 inline void transpose(FloatLanes* r) {
-  typedef int Mask __attribute__((vector_size(32)));
-  constexpr Mask low1{0, 8, 1, 9, 4, 12, 5, 13}, high1{2, 10, 3, 11, 6, 14, 7, 15};
-  constexpr Mask low2{0, 1, 8, 9, 4, 5, 12, 13}, high2{2, 3, 10, 11, 6, 7, 14, 15};
-  constexpr Mask low3{0, 1, 2, 3, 8, 9, 10, 11}, high3{4, 5, 6, 7, 12, 13, 14, 15};
   FloatLanes t[8], u[8];
   for (int i = 0; i < 8; i += 2) {
-    t[i] = __builtin_shuffle(r[i], r[i + 1], low1);
-    t[i + 1] = __builtin_shuffle(r[i], r[i + 1], high1);
+    t[i] = __builtin_shufflevector(r[i], r[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+    t[i + 1] = __builtin_shufflevector(r[i], r[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
   }
   for (int i = 0; i < 8; i += 4) {
-    u[i] = __builtin_shuffle(t[i], t[i + 2], low2);
-    u[i + 1] = __builtin_shuffle(t[i], t[i + 2], high2);
-    u[i + 2] = __builtin_shuffle(t[i + 1], t[i + 3], low2);
-    u[i + 3] = __builtin_shuffle(t[i + 1], t[i + 3], high2);
+    u[i] = __builtin_shufflevector(t[i], t[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+    u[i + 1] = __builtin_shufflevector(t[i], t[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    u[i + 2] = __builtin_shufflevector(t[i + 1], t[i + 3], 0, 1, 8, 9, 4, 5, 12, 13);
+    u[i + 3] = __builtin_shufflevector(t[i + 1], t[i + 3], 2, 3, 10, 11, 6, 7, 14, 15);
   }
   for (int i = 0; i < 4; ++i) {
-    r[i] = __builtin_shuffle(u[i], u[i + 4], low3);
-    r[i + 4] = __builtin_shuffle(u[i], u[i + 4], high3);
+    r[i] = __builtin_shufflevector(u[i], u[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+    r[i + 4] = __builtin_shufflevector(u[i], u[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
   }
 }
 inline void transpose(DoubleLanes* r) {
-  typedef long long Mask __attribute__((vector_size(32)));
-  constexpr Mask low1{0, 4, 2, 6}, high1{1, 5, 3, 7}, low2{0, 1, 4, 5}, high2{2, 3, 6, 7};
-  const DoubleLanes t0 = __builtin_shuffle(r[0], r[1], low1),
-                    t1 = __builtin_shuffle(r[0], r[1], high1);
-  const DoubleLanes t2 = __builtin_shuffle(r[2], r[3], low1),
-                    t3 = __builtin_shuffle(r[2], r[3], high1);
-  r[0] = __builtin_shuffle(t0, t2, low2);
-  r[1] = __builtin_shuffle(t1, t3, low2);
-  r[2] = __builtin_shuffle(t0, t2, high2);
-  r[3] = __builtin_shuffle(t1, t3, high2);
+  const DoubleLanes t0 = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6),
+                    t1 = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
+  const DoubleLanes t2 = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6),
+                    t3 = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
+  r[0] = __builtin_shufflevector(t0, t2, 0, 1, 4, 5);
+  r[1] = __builtin_shufflevector(t1, t3, 0, 1, 4, 5);
+  r[2] = __builtin_shufflevector(t0, t2, 2, 3, 6, 7);
+  r[3] = __builtin_shufflevector(t1, t3, 2, 3, 6, 7);
 }
 
 template <typename Real>

@@ -50,6 +50,8 @@ class Usage(program.ProgramTest):
                        "fit", "t.h5", "-o", "m.h5", "--segments", "100000")
         self.fail_with(2, "--segments: expected a whole number, found 'many'",
                        "fit", "t.h5", "-o", "m.h5", "--segments", "many")
+        self.fail_with(2, "--threads: expected a value in [0, 4096], found -2",
+                       "info", "t.h5", "--threads", "-2")
         self.fail_with(2, "--lambda: expected a value in [0, 1000000], found -1",
                        "fit", "t.h5", "-o", "m.h5", "--lambda", "-1")
 

@@ -70,6 +70,7 @@ hid_t make_odd_plist(Case& c, const std::vector<hsize_t>& shape) {
   const bool chunkable = !shape.empty() && count_of(shape) > 0;
   if (!chunkable || c.one_in(3)) return plist;
   std::vector<hsize_t> chunk;
+  chunk.reserve(shape.size());
   for (const hsize_t size : shape) chunk.push_back(1 + c.below(static_cast<std::size_t>(size)));
   if (shape.size() == 4 && c.one_in(2)) chunk = {1, 1, shape[2], shape[3]};
   H5Pset_chunk(plist, static_cast<int>(chunk.size()), chunk.data());

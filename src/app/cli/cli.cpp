@@ -24,6 +24,11 @@ namespace {
 // Flags that every command has.
 struct CommonFlags {
   int threads = 0;
+  Param threads_param{.name = "threads",
+                      .help = "threads to use, 0 for one per processor",
+                      .target = &threads,
+                      .min = 0,
+                      .max = 4096};
   bool quiet = false;
   bool portable = false;
   std::string json;
@@ -64,7 +69,7 @@ std::string value_name_of(const Param& param) {
   return std::holds_alternative<double*>(param.target) ? "X" : "N";
 }
 
-void add_param(CLI::App& app, ParamText& entry) {
+void add_param(CLI::App& app, ParamText& entry, const char* group) {
   const Param& param = *entry.param;
   const std::string name = (is_negated(param) ? "--no-" : "--") + param.name;
   if (std::holds_alternative<bool*>(param.target)) {
@@ -73,7 +78,7 @@ void add_param(CLI::App& app, ParamText& entry) {
     entry.option = app.add_option(name, entry.text, describe_param(param));
     entry.option->type_name(value_name_of(param));
   }
-  entry.option->group("Parameters");
+  if (*group != 0) entry.option->group(group);
 }
 
 void add_flag(CLI::App& app, const Flag& flag) {
@@ -103,10 +108,9 @@ CLI::App* add_command(CLI::App& app, const CommandSpec& command, std::deque<Para
   for (const Positional& positional : command.positionals)
     sub->add_option(positional.name, *positional.target, positional.help)->type_name("");
   for (const Flag& flag : command.flags) add_flag(*sub, flag);
-  for (const Param& param : command.params) add_param(*sub, texts.emplace_back(ParamText{&param}));
-  sub->add_option("--threads", common.threads, "threads to use [default 0: one per processor]")
-      ->type_name("N")
-      ->check(CLI::Range(0, 4096));
+  for (const Param& param : command.params)
+    add_param(*sub, texts.emplace_back(ParamText{&param}), "Parameters");
+  add_param(*sub, texts.emplace_back(ParamText{&common.threads_param}), "");
   sub->add_flag("--quiet", common.quiet, "print nothing but errors");
   sub->add_flag(
       "--portable", common.portable,
@@ -147,8 +151,8 @@ void check_leftovers(const CLI::App& sub, const CommandSpec& command) {
       throw_usage("--" + flag.name, flag.value_name, "nothing");
 }
 
-// Reads texts into the command's parameters and checks ranges; errors name the flag.
-void read_param_texts(const std::deque<ParamText>& texts, const CommandSpec& command) {
+// Reads texts into their parameters and checks ranges; errors name the flag.
+void read_param_texts(const std::deque<ParamText>& texts) {
   try {
     for (const ParamText& entry : texts) {
       if (entry.option->count() == 0) continue;
@@ -158,7 +162,7 @@ void read_param_texts(const std::deque<ParamText>& texts, const CommandSpec& com
         parse_value(*entry.param, entry.text);
       }
     }
-    check(command.params);
+    for (const ParamText& entry : texts) check(ParamList{*entry.param});
   } catch (const Error& error) {
     ErrorParts parts = error.parts;
     parts.place = "--" + parts.place;
@@ -218,7 +222,7 @@ int parse_and_run(int argc, const char* const* argv) {
     return 2;
   }
   check_leftovers(*sub, *chosen);
-  read_param_texts(texts, *chosen);
+  read_param_texts(texts);
   run_command(*chosen, common);
   return 0;
 }

@@ -23,7 +23,7 @@ void expect_same_values(const std::vector<float>& left, const std::vector<float>
   std::size_t different = 0;
   for (std::size_t i = 0; i < left.size(); ++i)
     different += !(std::isnan(left[i]) && std::isnan(right[i])) &&
-                 std::memcmp(&left[i], &right[i], sizeof(float)) != 0;
+                 std::memcmp(&left[i], &right[i], sizeof(float)) != 0;  // NOLINT: bits are meant
   EXPECT_EQ(different, 0u);
 }
 

@@ -50,7 +50,7 @@ struct TestFile {
       : file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, create, access), H5Fclose) {}
 
   // Replaces an attribute of that name. Memory type = file type: `data` is what is stored.
-  void set(const char* name, hid_t type, const void* data, std::vector<hsize_t> shape = {}) {
+  void set(const char* name, hid_t type, const void* data, const std::vector<hsize_t>& shape = {}) {
     remove_attribute(name);
     const Id space(make_space(shape), H5Sclose);
     const Id attribute(H5Acreate2(file.get(), name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT),

@@ -31,7 +31,7 @@ struct Reader {
     constexpr std::size_t longest = 4096;
     const std::size_t end = bytes.find('\n', at);
     if (end == std::string::npos || end - at > longest) fail("no end of its header");
-    const std::string line = bytes.substr(at, end - at);
+    std::string line = bytes.substr(at, end - at);
     at = end + 1;
     return line;
   }

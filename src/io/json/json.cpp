@@ -37,7 +37,7 @@ std::string escape_key(const std::string& key) {
   return escaped;
 }
 
-std::string remove_prefix(std::string text, std::string_view prefix) {
+std::string remove_prefix(const std::string& text, std::string_view prefix) {
   return text.compare(0, prefix.size(), prefix) == 0 ? text.substr(prefix.size()) : text;
 }
 
@@ -147,7 +147,7 @@ void Builder::throw_syntax(std::size_t position, const std::string& last,
     found.resize(at);
   }
   if (const std::size_t at = found.find("; last read"); at != found.npos) found.resize(at);
-  found = remove_prefix(remove_prefix(std::move(found), "unexpected "), "invalid string: ");
+  found = remove_prefix(remove_prefix(found, "unexpected "), "invalid string: ");
   throw Error({*file, place, cut(expected), cut(found)});
 }
 
