@@ -9,30 +9,16 @@
 #include "image/metrics.h"
 #include "judge/asymmetry.h"
 #include "judge/pair_sums.h"
+#include "math/statistics.h"
 
 namespace parian {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-// Of the values that are not NaN; all NaN when there is none.
-struct Statistics {
-  double min = std::numeric_limits<double>::infinity();
-  double max = -std::numeric_limits<double>::infinity();
-  double sum = 0;
-  std::size_t count = 0;
-};
-
-void add(Statistics& statistics, double value) {
-  statistics.min = std::min(statistics.min, value);
-  statistics.max = std::max(statistics.max, value);
-  statistics.sum += value;
-  ++statistics.count;
-}
-
 MinMeanMax summarise(const Statistics& statistics) {
   if (statistics.count == 0) return {none, none, none};
-  return {statistics.min, statistics.sum / static_cast<double>(statistics.count), statistics.max};
+  return {statistics.min, mean(statistics), statistics.max};
 }
 
 struct PixelErrors {

@@ -17,30 +17,15 @@
 #include "io/json/json.h"
 #include "judge/row_sums.h"
 #include "material/profile_map.h"
+#include "math/statistics.h"
 
 namespace parian {
 namespace {
 
-// Minimum, mean and maximum of a stream of numbers.
-struct Statistics {
-  double min = std::numeric_limits<double>::infinity();
-  double max = -std::numeric_limits<double>::infinity();
-  double sum = 0;
-  std::size_t count = 0;
-};
-
-void add(Statistics& statistics, double value) {
-  statistics.min = std::min(statistics.min, value);
-  statistics.max = std::max(statistics.max, value);
-  statistics.sum += value;
-  ++statistics.count;
-}
-
 Document to_document(const Statistics& statistics) {
   if (statistics.count == 0) return nullptr;
-  return Document::Object{{"min", statistics.min},
-                          {"mean", statistics.sum / static_cast<double>(statistics.count)},
-                          {"max", statistics.max}};
+  return Document::Object{
+      {"min", statistics.min}, {"mean", mean(statistics)}, {"max", statistics.max}};
 }
 
 Document to_document(const std::vector<Statistics>& channels) {

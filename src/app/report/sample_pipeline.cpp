@@ -154,7 +154,8 @@ std::string describe_pipeline(const PipelineSample& sample, const PipelineResult
   text += html_picture_table({"table", "fit", fmt::format("difference × {}", difference_gain)},
                              rows, pictures);
   text += html_paragraph(
-      "Measured values and the model's at the same pairs of points, and the profile of the point "
+      "The table's values and the model's at the same pairs of points, and the profile of the "
+      "point "
       "itself, over distance:");
   text += html_figures(plots, static_cast<int>(plots.size()));
   text += html_figures(
