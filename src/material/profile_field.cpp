@@ -1,0 +1,199 @@
+#include "material/profile_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+namespace parian {
+namespace {
+
+constexpr int resampled_knots = 112;
+
+// Rows of a whole grid: half_log[pixel][knot][channel] and support[pixel][channel].
+struct Rows {
+  std::vector<float> half_log, support;
+};
+
+// ln P without the cut at the support, so that it is linear over the tail as well.
+void fill_row(const Profile& profile, const std::vector<float>& knots, float* half_log) {
+  Profile uncut = profile;
+  uncut.support_mm = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < knots.size(); ++k)
+    half_log[3 * k] =
+        static_cast<float>(0.5 * eval_log_profile(uncut, static_cast<double>(knots[k])));
+}
+
+// The map's own knots, and a few over the tail so that brackets stay tight there. Of knots that
+// floats hardly tell apart the first is kept.
+std::vector<float> extend_knots(const std::vector<double>& knots, double support) {
+  const double last = knots.back();
+  std::vector<float> extended{0};
+  for (double knot : knots)
+    if (knot - static_cast<double>(extended.back()) > 1e-5 * last)
+      extended.push_back(static_cast<float>(knot));
+  for (double r = 1.25 * last; r < 0.95 * support; r *= 1.25)
+    extended.push_back(static_cast<float>(r));
+  if (support > last * (1 + 1e-6)) extended.push_back(static_cast<float>(support * (1 + 1e-6)));
+  return extended;
+}
+
+// From 0 to `last`: the first step is `first`, every further one longer by the same factor.
+std::vector<float> make_graded_knots(double first, double last, int count) {
+  double low = 1, high = 2;  // of the factor q: first (q^n - 1) / (q - 1) = last
+  const auto reach = [&](double q) {
+    double sum = 0, step = first;
+    for (int i = 1; i < count; ++i, step *= q) sum += step;
+    return sum;
+  };
+  for (int i = 0; i < 60; ++i) (reach(0.5 * (low + high)) < last ? low : high) = 0.5 * (low + high);
+  const double scale = last / reach(low);
+  std::vector<float> knots{0};
+  double r = 0, step = first * scale;
+  for (int i = 1; i < count; ++i, step *= low) knots.push_back(static_cast<float>(r += step));
+  return knots;
+}
+
+struct Extremes {
+  double smallest_dilation = 1, largest_support = 0;
+};
+
+Extremes find_extremes(const ProfileMap& map) {
+  Extremes found;
+  for (float dilation : map.dilation)
+    found.smallest_dilation = std::min(found.smallest_dilation, static_cast<double>(dilation));
+  for (int c = 0; c < map.channels; ++c)
+    for (int y = 0; y < map.height; ++y)
+      for (int x = 0; x < map.width; ++x)
+        found.largest_support =
+            std::max(found.largest_support, get_profile(map, c, x, y).support_mm);
+  return found;
+}
+
+bool falls_everywhere(const Rows& rows, std::size_t row) {
+  for (std::size_t i = 0; i + 3 < rows.half_log.size(); ++i)
+    if (i % row + 3 < row && rows.half_log[i + 3] > rows.half_log[i]) return false;
+  return true;
+}
+
+// Bilinear over the four pixels around (x, y); centres at integers, clamped to the grid.
+void eval_rows(const Rows& rows, int width, int height, std::size_t row, double x, double y,
+               float* half_log, float* support) {
+  const double cx = std::clamp(x, 0.0, width - 1.0), cy = std::clamp(y, 0.0, height - 1.0);
+  const int x0 = std::min(static_cast<int>(cx), std::max(0, width - 2));
+  const int y0 = std::min(static_cast<int>(cy), std::max(0, height - 2));
+  const double fx = cx - x0, fy = cy - y0;
+  std::fill_n(half_log, row, 0.0f);
+  std::fill_n(support, 3, 0.0f);
+  for (int corner = 0; corner < 4; ++corner) {
+    const int dx = corner & 1, dy = corner >> 1;
+    const auto weight = static_cast<float>((dx ? fx : 1 - fx) * (dy ? fy : 1 - fy));
+    if (weight == 0) continue;
+    const std::size_t pixel = static_cast<std::size_t>(y0 + dy) * static_cast<std::size_t>(width) +
+                              static_cast<std::size_t>(x0 + dx);
+    const float* from = rows.half_log.data() + pixel * row;
+    for (std::size_t i = 0; i < row; ++i) half_log[i] += weight * from[i];
+    for (std::size_t c = 0; c < 3; ++c) support[c] += weight * rows.support[3 * pixel + c];
+  }
+}
+
+ProfileField make_field(const ProfileMap& map) {
+  const Extremes extremes = find_extremes(map);
+  ProfileField field;
+  field.width = map.width;
+  field.height = map.height;
+  field.pixel_pitch_mm = map.pixel_pitch_mm;
+  field.boundary = map.boundary;
+  field.eta = map.eta;
+  field.max_support_mm = static_cast<float>(extremes.largest_support);
+  // A kink of ln P between two new knots is cut off by at most its change of slope times a quarter
+  // of their distance, so dilated maps get steps that are short where profiles bend most.
+  field.knots_mm = map.dilation.empty()
+                       ? extend_knots(map.knots_mm, extremes.largest_support)
+                       : make_graded_knots(map.knots_mm[1] * extremes.smallest_dilation / 4,
+                                           extremes.largest_support * (1 + 1e-6), resampled_knots);
+  const auto rows = std::make_shared<Rows>();
+  rows->half_log.resize(map.pixels() * field.row());
+  rows->support.resize(map.pixels() * 3);
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const Profile profile = get_profile(map, std::min(c, map.channels - 1), x, y);
+        const std::size_t pixel =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) +
+            static_cast<std::size_t>(x);
+        const std::size_t plane = 3 * pixel + static_cast<std::size_t>(c);
+        fill_row(profile, field.knots_mm,
+                 &rows->half_log[pixel * field.row() + static_cast<std::size_t>(c)]);
+        rows->support[plane] = static_cast<float>(profile.support_mm);
+      }
+  field.monotone = falls_everywhere(*rows, field.row());
+  field.eval = [rows, width = map.width, height = map.height, row = field.row()](
+                   double x, double y, float* half_log, float* support) {
+    eval_rows(*rows, width, height, row, x, y, half_log, support);
+  };
+  return field;
+}
+
+// Knots that share the chords' errors evenly: their density follows sqrt |y''|, y = ln R_d.
+std::vector<float> place_knots(const Dipole& dipole, double support) {
+  constexpr int fine = 8192;
+  const auto radius = [&](int i) {  // denser towards 0
+    const double u = static_cast<double>(i) / fine;
+    return support * u * u;
+  };
+  std::vector<double> sum(fine + 1, 0.0);
+  for (int i = 1; i < fine; ++i) {
+    const double a = radius(i - 1), b = radius(i), c = radius(i + 1);
+    double density = 0;
+    for (const DipoleCoefficients& medium : dipole.channels) {
+      const auto y = [&](double r) { return std::log(eval_dipole(medium, dipole.eta, r)); };
+      const double bend = 2 * ((y(c) - y(b)) / (c - b) - (y(b) - y(a)) / (b - a)) / (c - a);
+      density = std::max(density, std::sqrt(std::abs(bend)));
+    }
+    sum[static_cast<std::size_t>(i)] = sum[static_cast<std::size_t>(i) - 1] + density * (c - a) / 2;
+  }
+  sum[fine] = sum[fine - 1];
+  std::vector<float> knots{0};
+  int i = 0;
+  for (int k = 1; k + 1 < resampled_knots; ++k) {
+    const double target = sum[fine] * k / (resampled_knots - 1);
+    while (sum[static_cast<std::size_t>(i)] < target) ++i;
+    const auto r = static_cast<float>(radius(i));
+    if (r > knots.back()) knots.push_back(r);
+  }
+  knots.push_back(static_cast<float>(support * (1 + 1e-6)));
+  return knots;
+}
+
+ProfileField make_field(const Dipole& dipole) {
+  ProfileField field;
+  field.eta = dipole.eta;
+  const Material material = dipole;
+  field.max_support_mm = static_cast<float>(support_mm(material));
+  field.knots_mm = place_knots(dipole, support_mm(material));
+  const auto rows = std::make_shared<Rows>();
+  rows->half_log.resize(field.row());
+  for (std::size_t c = 0; c < 3; ++c) {
+    const DipoleCoefficients& medium = dipole.channels[std::min(c, dipole.channels.size() - 1)];
+    for (std::size_t k = 0; k < field.knots(); ++k)
+      rows->half_log[3 * k + c] = static_cast<float>(
+          0.5 * std::log(eval_dipole(medium, dipole.eta, static_cast<double>(field.knots_mm[k]))));
+    const Material single = Dipole{{medium}, dipole.eta};
+    rows->support.push_back(static_cast<float>(support_mm(single)));
+  }
+  field.monotone = falls_everywhere(*rows, field.row());
+  field.eval = [rows](double, double, float* half_log, float* support) {
+    std::copy(rows->half_log.begin(), rows->half_log.end(), half_log);
+    std::copy(rows->support.begin(), rows->support.end(), support);
+  };
+  return field;
+}
+
+}  // namespace
+
+ProfileField make_profile_field(const Material& material) {
+  return std::visit([](const auto& model) { return make_field(model); }, material);
+}
+
+}  // namespace parian
