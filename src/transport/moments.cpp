@@ -1,0 +1,189 @@
+#include "transport/moments.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace parian {
+namespace {
+
+// Sums over a node's samples. Rows are linear and in double precision: profiles fall by many orders
+// of magnitude.
+struct NodeSums {
+  std::vector<double> moment;  // B[knot][channel] = sum flux a(r_k)
+  std::vector<double> slope;   // sum flux a(r_k) d ln a / dr
+  double weight = 0, x = 0, y = 0, z = 0, square = 0;
+  double flux[3] = {0, 0, 0};
+};
+
+void add_sample(NodeSums& sums, const MomentSources& sources, const std::vector<float>& knots,
+                std::uint32_t i, bool rows) {
+  const Emitters& emitters = sources.emitters;
+  const Rgb& flux = sources.samples.flux[i];
+  const double power[3] = {flux.x, flux.y, flux.z};
+  const double x = emitters.position[0][i], y = emitters.position[1][i],
+               z = emitters.position[2][i];
+  const float* h = &emitters.rows[emitters.row[i] * emitters.row_size];
+  // Nodes are seen from afar: samples weigh there as they do at a third of the knots.
+  const std::size_t far = 3 * (knots.size() / 3);
+  double w = 1e-30;
+  for (std::size_t c = 0; c < 3; ++c) w += power[c] * std::exp(static_cast<double>(h[far + c]));
+  sums.weight += w;
+  sums.x += w * x;
+  sums.y += w * y;
+  sums.z += w * z;
+  sums.square += w * (x * x + y * y + z * z);
+  for (std::size_t c = 0; c < 3; ++c) sums.flux[c] += power[c];
+  if (!rows) return;
+  for (std::size_t k = 0; k < knots.size(); ++k)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t at = 3 * k + c;
+      const double a = power[c] * std::exp(static_cast<double>(h[at]));
+      sums.moment[at] += a;
+      if (k + 1 < knots.size())
+        sums.slope[at] += a * static_cast<double>(h[at + 3] - h[at]) /
+                          static_cast<double>(knots[k + 1] - knots[k]);
+    }
+}
+
+void add_sums(NodeSums& sums, const NodeSums& child) {
+  for (std::size_t j = 0; j < sums.moment.size(); ++j) {
+    sums.moment[j] += child.moment[j];
+    sums.slope[j] += child.slope[j];
+  }
+  sums.weight += child.weight;
+  sums.x += child.x;
+  sums.y += child.y;
+  sums.z += child.z;
+  sums.square += child.square;
+  for (std::size_t c = 0; c < 3; ++c) sums.flux[c] += child.flux[c];
+}
+
+float log_or_nothing(double value) {
+  return value > 0 ? std::max(log_of_nothing, static_cast<float>(std::log(value))) : log_of_nothing;
+}
+
+class NodeBuilder {
+ public:
+  NodeBuilder(const ProfileField& field, MomentSources& sources)
+      : sources_(sources),
+        knots_(field.knots_mm),
+        samples_(sources.tree.order.size()),
+        has_rows_(field.width > 1 || field.height > 1) {}
+
+  // Sums of the node and all below it; writes their emitters. Big nodes work on both halves at
+  // once.
+  NodeSums build(std::uint32_t index) {
+    const SourceNode& node = sources_.tree.nodes[index];
+    NodeSums sums;
+    NodeShape shape;
+    std::fill_n(shape.min_support, 3, std::numeric_limits<float>::infinity());
+    if (node.left == 0) {
+      if (has_rows_) {
+        sums.moment.assign(sources_.emitters.row_size, 0);
+        sums.slope.assign(sources_.emitters.row_size, 0);
+      }
+      for (std::uint32_t i = node.begin; i < node.end; ++i) {
+        add_sample(sums, sources_, knots_, i, has_rows_);
+        for (std::size_t c = 0; c < 3; ++c) {
+          const float support = sources_.emitters.support[c][i];
+          shape.min_support[c] = std::min(shape.min_support[c], support);
+          shape.max_support[c] = std::max(shape.max_support[c], support);
+        }
+      }
+    } else {
+      NodeSums halves[2];
+      const std::uint32_t children[2] = {node.left, node.right};
+      const auto build_half = [&](std::size_t i) { halves[i] = build(children[i]); };
+      if (node.end - node.begin > 4096) {
+        parallel_for(2, build_half);
+      } else {
+        build_half(0);
+        build_half(1);
+      }
+      sums = std::move(halves[0]);
+      add_sums(sums, halves[1]);
+      for (std::uint32_t child : children)
+        for (std::size_t c = 0; c < 3; ++c) {
+          const NodeShape& part = sources_.shapes[child];
+          shape.min_support[c] = std::min(shape.min_support[c], part.min_support[c]);
+          shape.max_support[c] = std::max(shape.max_support[c], part.max_support[c]);
+        }
+    }
+    write(index, sums, shape);
+    return sums;
+  }
+
+ private:
+  void write(std::uint32_t index, const NodeSums& sums, NodeShape shape) {
+    Emitters& emitters = sources_.emitters;
+    const std::size_t id = samples_ + index;
+    const double x = sums.x / sums.weight, y = sums.y / sums.weight, z = sums.z / sums.weight;
+    const double square = sums.square / sums.weight - (x * x + y * y + z * z);
+    shape.spread_mm = static_cast<float>(std::sqrt(std::max(square, 0.0)));
+    sources_.shapes[index] = shape;
+    emitters.position[0][id] = static_cast<float>(x);
+    emitters.position[1][id] = static_cast<float>(y);
+    emitters.position[2][id] = static_cast<float>(z);
+    emitters.spread[id] = 0.25f * shape.spread_mm * shape.spread_mm;
+    for (std::size_t c = 0; c < 3; ++c) {
+      emitters.support[c][id] = shape.max_support[c];
+      emitters.log_flux[c][id] = has_rows_ ? 0 : log_or_nothing(sums.flux[c]);
+    }
+    emitters.row[id] = has_rows_ ? static_cast<std::uint32_t>(id) : 0;
+    if (!has_rows_) return;
+    float* row = &emitters.rows[id * emitters.row_size];
+    float* slope = &sources_.slopes[id * emitters.row_size];
+    for (std::size_t j = 0; j < emitters.row_size; ++j) {
+      row[j] = log_or_nothing(sums.moment[j]);
+      slope[j] = sums.moment[j] > 0 ? static_cast<float>(sums.slope[j] / sums.moment[j]) : 0;
+    }
+  }
+
+  MomentSources& sources_;
+  const std::vector<float>& knots_;
+  std::size_t samples_;
+  bool has_rows_;  // false: homogeneous, all share one
+};
+
+// Slopes of the samples' rows.
+void fill_slopes(MomentSources& sources, const std::vector<float>& knots, std::size_t rows) {
+  const std::size_t size = sources.emitters.row_size;
+  parallel_for_blocks(rows, 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row)
+      for (std::size_t at = 0; at < size; ++at) {
+        const float* h = &sources.emitters.rows[row * size + at];
+        const std::size_t k = at / 3;
+        sources.slopes[row * size + at] =
+            at + 3 < size ? (h[3] - h[0]) / (knots[k + 1] - knots[k]) : 0;
+      }
+  });
+}
+
+}  // namespace
+
+MomentSources make_moment_sources(const ProfileField& field, const GatherSources& sources,
+                                  bool with_nodes) {
+  MomentSources result;
+  result.tree = make_source_tree(sources);
+  const std::size_t samples = result.tree.order.size(), nodes = result.tree.nodes.size();
+  resize(result.emitters, samples + (with_nodes ? nodes : 0));
+  set_samples(result.emitters, field, sources, result.tree.order);
+  result.samples.area_mm2 = sources.area_mm2;
+  for (std::uint32_t i : result.tree.order) {
+    result.samples.normal.push_back(sources.points[i].normal);
+    result.samples.flux.push_back(sources.flux[i]);
+  }
+  if (!with_nodes || samples == 0) return result;
+  result.shapes.resize(nodes);
+  const bool homogeneous = field.width == 1 && field.height == 1;
+  const std::size_t rows = homogeneous ? 1 : samples + nodes;
+  result.emitters.rows.resize(rows * field.row());
+  result.slopes.resize(rows * field.row());
+  fill_slopes(result, field.knots_mm, homogeneous ? 1 : samples);
+  NodeBuilder(field, result).build(0);
+  return result;
+}
+
+}  // namespace parian

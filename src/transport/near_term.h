@@ -1,0 +1,34 @@
+// The near term of gather.h: samples around a target, with the kernel scaled so that it keeps its
+// integral.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "transport/gather_kernels.h"
+
+namespace parian {
+
+// Normals and flux of the samples, in the emitters' order: what the near term needs beside them.
+struct NearSamples {
+  std::vector<Vec3> normal;
+  std::vector<Rgb> flux;
+  double area_mm2 = 0;
+};
+
+// Over a plane around the block's targets, [channel][lane].
+struct NearIntegrals {
+  std::array<double, 3 * lanes> weight{};  // I = int P_o w dA
+  std::array<double, 3 * lanes> square{};  // int (P_o w)^2 dA
+};
+NearIntegrals integrate_near(const TargetBlock& block, const std::vector<float>& knots,
+                             double near_mm);
+
+// Adds to sum[channel][lane] what the emitters (all samples) contribute: those nearer than near_mm
+// by the near term, the rest plainly.
+void add_near(const EmitterView& emitters, const KnotView& lookup, const NearSamples& samples,
+              const std::vector<std::uint32_t>& ids, const TargetBlock& block,
+              const std::vector<float>& knots, double near_mm, double* sum);
+
+}  // namespace parian
