@@ -15,6 +15,7 @@
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
 #include "io/json/json.h"
+#include "io/mesh/mesh_file.h"
 #include "judge/row_sums.h"
 #include "material/profile_map.h"
 #include "math/statistics.h"
@@ -165,14 +166,65 @@ Document describe_sample(const std::string& path) {
   return figures;
 }
 
+void describe_surface(Document& figures, const TriangleMesh& mesh, const MeshReport& report) {
+  const Vec3 size = extent(bounds(mesh));
+  set(figures, "triangles", mesh.triangles.size());
+  set(figures, "vertices", mesh.positions.size());
+  set(figures, "size", Document::Array{double(size.x), double(size.y), double(size.z)});
+  set(figures, "area", surface_area(mesh));
+  set(figures, "volume", enclosed_volume(mesh));
+  set(figures, "has_texture_coordinates", !mesh.texcoords.empty());
+  set(figures, "unused_vertices", report.unused_vertices);
+  set(figures, "merged_vertices", report.merged_vertices);
+  set(figures, "degenerate_triangles", report.degenerate_triangles);
+  set(figures, "flipped_triangles", report.flipped_triangles);
+  set(figures, "boundary_edges", report.boundary_edges);
+  set(figures, "nonmanifold_edges", report.nonmanifold_edges);
+}
+
+Document describe_mesh(const std::string& path) {
+  MeshReport report;
+  const TriangleMesh mesh = load_mesh(path, &report);
+  Document figures = Document::Object{{"file", path}, {"kind", "mesh"}};
+  describe_surface(figures, mesh, report);
+  return figures;
+}
+
+Document describe_scene(const std::string& path) {
+  const LoadedScene loaded = load_scene(path);
+  const Scene& scene = loaded.scene;
+  Document figures = Document::Object{{"file", path}, {"kind", "scene"}};
+  set(figures, "width", scene.camera.width);
+  set(figures, "height", scene.camera.height);
+  set(figures, "mesh", scene.mesh_name);
+  describe_surface(figures, scene.mesh, loaded.mesh);
+  set(figures, "material", scene.material_name);
+  set(figures, "boundary",
+      boundary_of(scene.material) == Boundary::included ? "included" : "excluded");
+  set(figures, "eta", eta_of(scene.material));
+  set(figures, "lights", scene.lights.size());
+  set(figures, "warnings", Document::Array(scene.warnings.begin(), scene.warnings.end()));
+  return figures;
+}
+
+// Scenes and samples are both JSON: a scene has a mesh.
+Document describe_json(const std::string& path) {
+  const Document document = load_document(path);
+  const bool is_scene =
+      std::holds_alternative<Document::Object>(document.value) && find(document, "mesh");
+  return is_scene ? describe_scene(path) : describe_sample(path);
+}
+
 Document describe_file(const std::string& path, const Context& context) {
   switch (find_file_kind(path)) {
     case FileKind::map:
       return describe_map(path);
     case FileKind::image:
       return describe_image(path);
-    case FileKind::sample:
-      return describe_sample(path);
+    case FileKind::mesh:
+      return describe_mesh(path);
+    case FileKind::json:
+      return describe_json(path);
     default:
       return describe_table(path, context);
   }
@@ -203,7 +255,8 @@ CommandSpec make_info_command() {
   command.name = "info";
   command.summary = "say what a file is: sizes, statistics, provenance";
   command.example = "parian info stone.h5";
-  command.positionals = {{"FILE", "table, profile map, image or sample description", file.get()}};
+  command.positionals = {
+      {"FILE", "table, profile map, image, mesh, or description of a sample or scene", file.get()}};
   command.has_figures = true;
   command.run = [file](const Context& context) {
     check_figures(context);

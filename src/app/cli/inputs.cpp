@@ -9,9 +9,39 @@
 #include "base/error.h"
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
+#include "io/image/image_file.h"
 #include "io/json/files.h"
+#include "io/json/json.h"
+#include "io/mesh/mesh_file.h"
+#include "render/render.h"
+#include "scene/read_scene.h"
+#include "transport/gather_table.h"
 
 namespace parian {
+
+namespace {
+
+// A table is held in memory, whole, and once more while it is rendered.
+BssrdfTable load_table(const std::string& path) {
+  const std::unique_ptr<SliceSource> source = open_table(path);
+  const TableHeader& header = source->header();
+  const std::size_t bytes = static_cast<std::size_t>(header.channels) * header.offsets.size() *
+                            header.pixels() * sizeof(float);
+  check_memory(bytes + gather_table_bytes(header), 0, "a fit of " + path + " needs less");
+  return read_table(*source);
+}
+
+SurfaceMaterial load_material(const std::string& path) {
+  const FileKind kind = find_file_kind(path);
+  if (kind == FileKind::map) return Material(load_profile_map(path));
+  if (kind == FileKind::table || kind == FileKind::other) return load_table(path);
+  const char* found = kind == FileKind::image  ? "an image"
+                      : kind == FileKind::mesh ? "a mesh"
+                                               : "a JSON file";
+  throw Error({path, {}, "a profile map or a table", found});
+}
+
+}  // namespace
 
 FileKind find_file_kind(const std::string& path) {
   const std::string format = read_format(path);
@@ -20,9 +50,11 @@ FileKind find_file_kind(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension == ".json") return FileKind::sample;
+  if (extension == ".json") return FileKind::json;
   for (const char* known : {".png", ".jpg", ".jpeg", ".exr", ".hdr"})
     if (extension == known) return FileKind::image;
+  for (const char* known : {".ply", ".obj", ".gltf", ".glb", ".stl"})
+    if (extension == known) return FileKind::mesh;
   return FileKind::other;
 }
 
@@ -36,6 +68,23 @@ Surface open_surface(const std::string& path, const TableHeader* like) {
     surface.slices = open_table(path);
   }
   return surface;
+}
+
+LoadedScene load_scene(const std::string& path) {
+  LoadedScene loaded;
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const auto resolve = [&](const std::string& name) {
+    return loaded.files.emplace_back((folder / name).string());
+  };
+  loaded.files.push_back(path);
+  SceneLoaders loaders;
+  loaders.load_mesh = [&](const std::string& name) {
+    return load_mesh(resolve(name), &loaded.mesh);
+  };
+  loaders.load_image = [&](const std::string& name) { return load_image(resolve(name)); };
+  loaders.load_material = [&](const std::string& name) { return load_material(resolve(name)); };
+  loaded.scene = read_scene(load_document(path), loaders);
+  return loaded;
 }
 
 void check_output(const std::string& path, const std::vector<std::string>& inputs) {

@@ -7,10 +7,11 @@
 
 #include "judge/plot.h"
 #include "material/material.h"
+#include "scene/scene.h"
 
 namespace parian {
 
-enum class FileKind { table, map, image, sample, other };
+enum class FileKind { table, map, image, mesh, json, other };
 
 // By the HDF5 attribute "format", then by the name's extension.
 FileKind find_file_kind(const std::string& path);
@@ -28,6 +29,14 @@ struct Surface {
 
 // A material takes grid and offsets from `like`; without it, from its own grid and support.
 Surface open_surface(const std::string& path, const TableHeader* like = nullptr);
+
+// A scene with all that it refers to by paths relative to its own.
+struct LoadedScene {
+  Scene scene;
+  MeshReport mesh;                 // of a mesh from a file
+  std::vector<std::string> files;  // the description and all it refers to
+};
+LoadedScene load_scene(const std::string& path);
 
 // Before long work: throws when a result cannot be written or would replace an input.
 void check_output(const std::string& path, const std::vector<std::string>& inputs);

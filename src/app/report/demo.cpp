@@ -8,6 +8,7 @@
 #include "acquire/sample.h"
 #include "app/report/html.h"
 #include "app/report/sample_pipeline.h"
+#include "app/report/shape_pictures.h"
 #include "base/error.h"
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
@@ -36,7 +37,7 @@ std::string describe_table_size(const std::string& path) {
 }
 
 std::string write_page(const std::string& folder, const std::vector<PipelineSample>& samples,
-                       const std::vector<PipelineResult>& results) {
+                       const std::vector<PipelineResult>& results, const std::string& shape) {
   std::string body = html_paragraph(
       "Each sample is a table of R_d between pairs of surface points. A scattering profile is "
       "fitted to every point and channel, so that R_d between two points is the geometric mean of "
@@ -46,6 +47,7 @@ std::string write_page(const std::string& folder, const std::vector<PipelineSamp
   body += html_table(tabulate(samples, results));
   for (std::size_t i = 0; i < samples.size(); ++i)
     body += describe_pipeline(samples[i], results[i]);
+  body += shape;
   std::string path = folder + "/index.html";
   write_text(path, html_page("Parian: from a table to fitted profiles", body));
   return path;
@@ -82,7 +84,9 @@ std::string make_demo(const DemoParams& params, const Progress& progress) {
   std::vector<PipelineResult> results;
   results.reserve(samples.size());
   for (const PipelineSample& sample : samples) results.push_back(run_pipeline(sample, progress));
-  return write_page(folder, samples, results);
+  const std::string shape = make_shape_pictures(
+      {folder + "/stone-map.h5", stone, params.assets, folder, params.small}, progress);
+  return write_page(folder, samples, results, shape);
 }
 
 }  // namespace parian

@@ -10,7 +10,8 @@ namespace parian {
 struct DemoParams {
   std::string data;                 // folder of the bundled samples
   std::string folder = "out/demo";  // where results go
-  bool small = false;               // a small chessboard instead of the one at the paper's size
+  std::string assets;               // folder of fetched meshes and environments, may be empty
+  bool small = false;               // a small chessboard and small pictures
 };
 
 // Writes tables, maps, reports, pictures and index.html; returns the page's path.

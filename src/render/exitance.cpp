@@ -1,0 +1,182 @@
+#include <chrono>
+
+#include "base/parallel.h"
+#include "material/profile_field.h"
+#include "render/exitance_internal.h"
+#include "scene/mapping.h"
+#include "transport/gather_table.h"
+#include "transport/irradiance.h"
+#include "transport/moment_tree.h"
+
+namespace parian {
+namespace {
+
+constexpr std::size_t block = 1024;
+
+// Whether a ray inwards leaves without meeting the inside of a face. Faces met from outside belong
+// to other parts of the object that overlap: the ray goes on.
+bool does_escape(const SurfacePoint& point, const RayTracer& tracer) {
+  Ray ray{point.position - point.geometric_normal * tracer.epsilon_mm(), -point.geometric_normal};
+  for (int crossings = 0; crossings < 64; ++crossings) {
+    const auto hit = tracer.intersect(ray);
+    if (!hit) return true;
+    if (hit->from_inside) return false;
+    ray.t_min = hit->t + tracer.epsilon_mm();
+  }
+  return false;
+}
+
+GatherPoint to_gather_point(const SurfacePoint& point, const SamplePoint& place) {
+  return {point.position, point.normal, static_cast<float>(place.x), static_cast<float>(place.y)};
+}
+TableGatherPoint to_table_point(const SurfacePoint& point, const SamplePoint& place) {
+  return {point.position, point.normal, place};
+}
+
+// point(i) for i < count, each through `convert` with its place in the sample.
+template <typename Point, typename Get, typename Convert>
+std::vector<Point> map_points(std::size_t count, const Get& get, const Mapping& mapping,
+                              const SampleGrid& grid, const Convert& convert) {
+  std::vector<Point> points(count);
+  parallel_for_blocks(count, block, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const SurfacePoint& point = get(i);
+      points[i] = convert(point, map_to_sample(mapping, grid, point));
+    }
+  });
+  return points;
+}
+
+struct GatherWork {
+  const Scene& scene;
+  const SurfaceSamples& samples;
+  const std::vector<MeshPlace>& targets;
+  const RenderParams& params;
+  RenderReport& report;
+  const Progress& progress;
+
+  template <typename Point, typename Convert>
+  std::vector<Point> map_samples(const SampleGrid& grid, const Convert& convert) const {
+    return map_points<Point>(
+        samples.points.size(), [&](std::size_t i) { return samples.points[i]; }, scene.mapping,
+        grid, convert);
+  }
+  template <typename Point, typename Convert>
+  std::vector<Point> map_targets(const SampleGrid& grid, const Convert& convert) const {
+    return map_points<Point>(
+        targets.size(),
+        [&](std::size_t i) {
+          return get_surface_point(scene.mesh, targets[i].triangle, targets[i].barycentric);
+        },
+        scene.mapping, grid, convert);
+  }
+};
+
+void report_brackets(const TreeGatherResult& result, RenderReport& report) {
+  report.certified = result.certified;
+  report.nodes_per_target = result.nodes_per_target;
+  if (result.certified == 0) return;
+  report.max_half_width = result.max_half_width;
+  report.mean_half_width = result.mean_half_width;
+}
+
+std::vector<Rgb> gather(const GatherWork& work, const Material& material, std::vector<Rgb> flux) {
+  Stopwatch watch;
+  const ProfileField field = make_profile_field(material);
+  const SampleGrid grid{field.width, field.height, field.pixel_pitch_mm};
+  GatherSources sources;
+  sources.points = work.map_samples<GatherPoint>(grid, to_gather_point);
+  sources.flux = std::move(flux);
+  sources.area_mm2 = work.samples.area_mm2;
+  const auto targets = work.map_targets<GatherPoint>(grid, to_gather_point);
+  const double near_mm = default_near_mm(sources);
+  if (work.params.method == GatherMethod::brute) {
+    work.report.gather = "brute";
+    std::vector<Rgb> exitance = gather_brute(field, sources, targets, near_mm, work.progress);
+    work.report.gather_s = watch.lap();
+    return exitance;
+  }
+  work.report.gather = "tree";
+  const MomentTree tree(field, sources);
+  work.report.tree_s = watch.lap();
+  TreeGatherParams params;
+  params.quality = work.params.quality;
+  params.tolerance = work.params.tolerance;
+  TreeGatherResult result = tree.gather(targets, near_mm, params, work.progress);
+  work.report.gather_s = watch.lap();
+  report_brackets(result, work.report);
+  return std::move(result.exitance);
+}
+
+std::vector<Rgb> gather(const GatherWork& work, const BssrdfTable& table, std::vector<Rgb> flux) {
+  Stopwatch watch;
+  const TableHeader& header = table.header;
+  const SampleGrid grid{header.width, header.height, header.pixel_pitch_mm};
+  TableGatherSources sources;
+  sources.points = work.map_samples<TableGatherPoint>(grid, to_table_point);
+  sources.flux = std::move(flux);
+  sources.area_mm2 = work.samples.area_mm2;
+  const auto targets = work.map_targets<TableGatherPoint>(grid, to_table_point);
+  GatherSources for_near;
+  for_near.area_mm2 = sources.area_mm2;
+  work.report.gather = "table";
+  std::vector<Rgb> exitance =
+      gather_table(table, sources, targets, default_near_mm(for_near), work.progress);
+  work.report.gather_s = watch.lap();
+  return exitance;
+}
+
+}  // namespace
+
+Stopwatch::Stopwatch() : last_(0) {
+  lap();
+}
+
+double Stopwatch::lap() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  const double seconds = std::chrono::duration<double>(now).count();
+  const double elapsed = seconds - last_;
+  last_ = seconds;
+  return elapsed;
+}
+
+double measure_escapes(const SurfaceSamples& samples, const RayTracer& tracer) {
+  const std::size_t count = samples.points.size();
+  if (count == 0) return 0;
+  const double escaped = parallel_sum(count, block, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) sum += does_escape(samples.points[i], tracer);
+    return sum;
+  });
+  return escaped / static_cast<double>(count);
+}
+
+std::vector<MeshPlace> vertex_places(const TriangleMesh& mesh) {
+  std::vector<MeshPlace> places(mesh.positions.size());
+  for (std::size_t t = mesh.triangles.size(); t-- > 0;)
+    for (std::size_t corner = 0; corner < 3; ++corner)
+      places[mesh.triangles[t][corner]] = {static_cast<std::uint32_t>(t),
+                                           {corner == 1 ? 1.0f : 0.0f, corner == 2 ? 1.0f : 0.0f}};
+  return places;
+}
+
+std::vector<Rgb> compute_exitance(const Scene& scene, const RayTracer& tracer,
+                                  const SurfaceSamples& samples,
+                                  const std::vector<MeshPlace>& targets, const RenderParams& params,
+                                  RenderReport& report, const Progress& progress) {
+  Stopwatch watch;
+  IrradianceParams irradiance;
+  irradiance.rays = params.rays;
+  irradiance.seed = params.seed;
+  std::vector<Rgb> flux =
+      compute_irradiance(samples.points, scene.lights, tracer, boundary_of(scene.material),
+                         eta_of(scene.material), irradiance, progress);
+  for (Rgb& value : flux) value *= static_cast<float>(samples.area_mm2);
+  report.irradiance_s = watch.lap();
+  const GatherWork work{scene, samples, targets, params, report, progress};
+  if (const auto* table = std::get_if<BssrdfTable>(&scene.material))
+    return gather(work, *table, std::move(flux));
+  return gather(work, std::get<Material>(scene.material), std::move(flux));
+}
+
+}  // namespace parian
