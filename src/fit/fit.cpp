@@ -118,20 +118,6 @@ Progress part_of(const Progress& progress, int channel, int channels) {
   return part;
 }
 
-// Channels resemble each other: the last one's deviations from its mean profile are a good start.
-void start_from_last(const ReducedSystem& system, const std::vector<double>& profile,
-                     const std::vector<double>& last_profile, std::vector<double>& p) {
-  if (p.empty()) {
-    p = make_constant_field(system, profile);
-    return;
-  }
-  const std::size_t pixels = system.pixels();
-  parallel_for(profile.size(), [&](std::size_t k) {
-    const double shift = profile[k] - last_profile[k];
-    for (std::size_t i = k * pixels; i < (k + 1) * pixels; ++i) p[i] += shift;
-  });
-}
-
 }  // namespace
 
 FitResult fit_profiles(const SliceSource& table, const FitParams& params,
@@ -148,7 +134,8 @@ FitResult fit_profiles(const SliceSource& table, const FitParams& params,
 
   FitResult result{make_map(header, params, reduced.knots_mm), {}};
   std::optional<SharedSolver> shared;
-  std::vector<double> p, last_profile;
+  std::vector<double> p;
+  SolveStart start;
   for (int channel = 0; channel < header.channels; ++channel) {
     const Progress part = part_of(progress, channel, header.channels);
     Stopwatch watch;
@@ -158,6 +145,7 @@ FitResult fit_profiles(const SliceSource& table, const FitParams& params,
 
     if (!shared || !shares_hessian(system, shared->geometry)) {
       shared.reset();  // free before the next is made
+      start.product = {};
       const bool exact = params.tolerance < single_precision_tolerance;
       Hessian hessian = make_hessian(system, ProductMethod::automatic, exact);
       Preconditioner preconditioner = make_preconditioner(system, hessian);
@@ -165,11 +153,10 @@ FitResult fit_profiles(const SliceSource& table, const FitParams& params,
           SharedSolver{without_data(system), std::move(hessian), std::move(preconditioner)});
     }
     const std::vector<double> profile = fit_mean_profile(system);
-    start_from_last(system, profile, last_profile, p);
+    if (start.deviation.empty()) p = make_constant_field(system, profile);
     const SolveReport solved =
         solve_reduced(system, shared->hessian, shared->preconditioner,
-                      {params.tolerance, params.max_iterations}, profile, p, part);
-    last_profile = profile;
+                      {params.tolerance, params.max_iterations}, profile, p, part, &start);
     refuse_bad_solution(table, channel, solved);
     result.report.seconds_solve += watch.lap();
 

@@ -73,16 +73,24 @@ void apply_hessian_to_constant(const ReducedSystem& system, const Hessian& hessi
 // 1/2 delta^T H delta: without exact products only the last, small term has single precision.
 double eval_energy(const ReducedSystem& system, const Hessian& hessian, const double* p);
 
-// Inverse of H with its block diagonal frozen at the interior value: per spatial frequency one
-// banded matrix over knots, factored once (L D L^T).
+// Approximate inverse M = S A^-1 S of H. A is H with its block diagonal frozen at the interior
+// value: per spatial frequency one banded matrix over knots, factored once (L D L^T). S is diagonal
+// and makes up for the pairs that pixels near an edge, or masked ones, do not have.
 struct Preconditioner {
-  std::vector<float> inverse_diagonal;  // [k][frequency]
-  std::vector<float> lower1;            // [k][frequency]: L(k, k-1)
-  std::vector<float> second;            // [k]: L(k, k-2) = second[k-2] inverse_diagonal[k-2]
+  std::vector<float> scale;               // [k][row][x], rows as in Hessian: S
+  AlignedVector<float> inverse_diagonal;  // [k][frequency]
+  AlignedVector<float> lower1;            // [k][frequency]: L(k, k-1)
+  std::vector<float> second;              // [k]: L(k, k-2) = second[k-2] inverse_diagonal[k-2]
+  AlignedVector<float> parseval;          // [frequency]: weights of squares
 };
 Preconditioner make_preconditioner(const ReducedSystem& system, const Hessian& hessian);
-void apply_preconditioner(const Preconditioner& preconditioner, const Hessian& hessian,
-                          const float* r, float* z, HessianWorkspace& workspace,
-                          const PlaneHooks& hooks = {});
+// Returns r^T M r and leaves M r as spectra in the workspace; before(k) prepares plane k of r.
+double apply_preconditioner(const Preconditioner& preconditioner, const Hessian& hessian,
+                            const float* r, HessianWorkspace& workspace,
+                            const std::function<void(std::size_t k)>& before = {});
+// Plane k of M r after that, once for each k; the product that follows may reuse the workspace for
+// plane k then.
+void finish_preconditioner(const Preconditioner& preconditioner, const Hessian& hessian,
+                           std::size_t k, HessianWorkspace& workspace, float* z);
 
 }  // namespace parian

@@ -8,6 +8,7 @@
 #include <limits>
 #include <thread>
 
+#include "base/aligned.h"
 #include "base/check.h"
 #include "base/error.h"
 #include "base/parallel.h"
@@ -47,7 +48,7 @@ struct Build {
   const ReducedParams& params;
   ReducedSystem& system;
   std::vector<OffsetSums> sums;         // per offset
-  std::vector<double> high;             // contributions to the knot above, [segment][y][x]
+  AlignedVector<double> high;           // contributions to the knot above, [segment][y][x]
   std::vector<std::atomic<bool>> seen;  // per pixel not measured at (0,0): has a pair after all
   std::vector<std::uint32_t> suspects;  // those pixels
   std::atomic<std::size_t> listed{0};
@@ -60,8 +61,9 @@ Frame make_frame(const ReducedSystem& system) {
     frame.margin_y = std::max(frame.margin_y, static_cast<std::size_t>(std::abs(offset.dy)));
   }
   frame.stride = static_cast<std::size_t>(system.width) + 2 * frame.margin_x;
-  frame.values.assign(frame.stride * (static_cast<std::size_t>(system.height) + 2 * frame.margin_y),
-                      0.0f);
+  frame.values.assign(
+      frame.stride * (static_cast<std::size_t>(system.height) + 2 * frame.margin_y) + log_strip,
+      0.0f);
   return frame;
 }
 
@@ -124,7 +126,7 @@ double load_offset(Build& build, std::size_t i, std::vector<float>& slice, Frame
   const auto fill_frame = [&] {
     std::fill_n(lanes, lane_count, 0.0);
     known = 0;
-    for (int y = 0; y < system.height; ++y) {
+    for (int y = 0; y < system.height; ++y) {  // what spills into the next row is written there
       double_logs(&slice[static_cast<std::size_t>(y) * static_cast<std::size_t>(system.width)],
                   frame.row(y), static_cast<std::size_t>(system.width), lanes, &known);
     }
@@ -141,7 +143,7 @@ double load_offset(Build& build, std::size_t i, std::vector<float>& slice, Frame
 
   if (system.pair_weight == PairWeight::energy && system.weights[0].u.empty() &&
       build.params.weights.empty())
-    system.weights[0].phi[i] = known > 0 ? sum_known(slice.data(), slice.size()) / known : 0;
+    system.weights[0].phi[i] = known > 0 ? sum_known(slice.data(), system.pixels()) / known : 0;
   if (!has_pair_weights(system)) return system.pair_count[i] * system.weights[0].phi[i];
   // General weights: multiply them in, row by row.
   sums.squares = 0;
@@ -169,11 +171,10 @@ void build_segment(Build& build, int segment, Scratch& scratch, const Progress& 
   std::vector<std::size_t> members;
   for (std::size_t i = 0; i < system.offsets.size(); ++i)
     if (system.segment[i] == segment) members.push_back(i);
-  if (members.empty()) return;
-
   const std::size_t pixels = system.pixels();
   double* low = system.right_hand_side.data() + static_cast<std::size_t>(segment) * pixels;
   double* high = build.high.data() + static_cast<std::size_t>(segment) * pixels;
+  std::fill_n(high, pixels, 0.0);
   std::array<Frame, batch_size>& frames = scratch.frames;
 
   for (std::size_t begin = 0; begin < members.size(); begin += batch_size) {
@@ -295,7 +296,7 @@ std::vector<std::uint32_t> stream(const SliceSource& table, const ReducedParams&
   if (system.pair_weight == PairWeight::noise) system.restream = &table;
   system.right_hand_side.assign(system.unknowns(), 0.0);
   Build build{table, params, system, std::vector<OffsetSums>(system.offsets.size()), {}, {}, {}};
-  build.high.assign((system.knots() - 1) * system.pixels(), 0.0);
+  build.high.resize((system.knots() - 1) * system.pixels());  // set segment by segment
   find_suspects(build);
 
   const std::size_t segments = system.knots() - 1;
@@ -304,7 +305,7 @@ std::vector<std::uint32_t> stream(const SliceSource& table, const ReducedParams&
   std::atomic<std::size_t> next{0};
   const std::size_t workers = std::min(segments, static_cast<std::size_t>(thread_count()));
   parallel_for(workers, [&](std::size_t) {
-    Scratch scratch{std::vector<float>(system.pixels()), {}};
+    Scratch scratch{std::vector<float>(system.pixels() + log_strip), {}};
     for (Frame& frame : scratch.frames) frame = make_frame(system);
     try {
       for (std::size_t task = next++; task < segments; task = next++) {  // the longest first

@@ -2,16 +2,14 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <functional>
 #include <numeric>
 
 #include "base/aligned.h"
 #include "base/check.h"
-#include "base/hot.h"
 #include "base/parallel.h"
 #include "fit/hessian_internal.h"
+#include "fit/solve_kernels.h"
 
 namespace parian {
 namespace {
@@ -19,46 +17,6 @@ namespace {
 constexpr std::size_t block = std::size_t{1} << 15u;
 // A single-precision solve gains at most about this much before rounding stops it.
 constexpr double largest_gain = 1e-5;
-constexpr std::size_t lanes = 8;
-
-PARIAN_HOT double dot_block(const float* PARIAN_RESTRICT a, const float* PARIAN_RESTRICT b,
-                            std::size_t count) {
-  double partial[lanes] = {};
-  std::size_t i = 0;
-  for (; i + lanes <= count; i += lanes)
-    for (std::size_t j = 0; j < lanes; ++j)
-      partial[j] += static_cast<double>(a[i + j]) * static_cast<double>(b[i + j]);
-  for (; i < count; ++i) partial[0] += static_cast<double>(a[i]) * static_cast<double>(b[i]);
-  double sum = 0;
-  for (double value : partial) sum += value;
-  return sum;
-}
-// x += alpha d; r -= alpha hd; returns |r|^2
-PARIAN_HOT double step_block(float alpha, const float* PARIAN_RESTRICT d,
-                             const float* PARIAN_RESTRICT hd, float* PARIAN_RESTRICT x,
-                             float* PARIAN_RESTRICT r, std::size_t count) {
-  double partial[lanes] = {};
-  std::size_t i = 0;
-  for (; i + lanes <= count; i += lanes) {
-    for (std::size_t j = 0; j < lanes; ++j) {
-      x[i + j] += alpha * d[i + j];
-      r[i + j] -= alpha * hd[i + j];
-      partial[j] += static_cast<double>(r[i + j]) * static_cast<double>(r[i + j]);
-    }
-  }
-  for (; i < count; ++i) {
-    x[i] += alpha * d[i];
-    r[i] -= alpha * hd[i];
-    partial[0] += static_cast<double>(r[i]) * static_cast<double>(r[i]);
-  }
-  double sum = 0;
-  for (double value : partial) sum += value;
-  return sum;
-}
-PARIAN_HOT void direction_block(float beta, const float* PARIAN_RESTRICT z,
-                                float* PARIAN_RESTRICT d, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) d[i] = z[i] + beta * d[i];
-}
 
 double dot(const AlignedVector<float>& a, const AlignedVector<float>& b) {
   return parallel_sum(a.size(), block, [&](std::size_t begin, std::size_t end) {
@@ -68,14 +26,10 @@ double dot(const AlignedVector<float>& a, const AlignedVector<float>& b) {
 
 double norm(const std::vector<double>& v) {
   return std::sqrt(parallel_sum(v.size(), block, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t i = begin; i < end; ++i) sum += v[i] * v[i];
-    return sum;
+    double sum = 0, squares = 0;
+    sums_block(&v[begin], end - begin, &sum, &squares);
+    return squares;
   }));
-}
-
-void for_all(std::size_t count, const std::function<void(std::size_t, std::size_t)>& body) {
-  parallel_for_blocks(count, block, body);
 }
 
 struct Solver {
@@ -85,94 +39,121 @@ struct Solver {
   const SolveParams& params;
   const Progress& progress;
   HessianWorkspace workspace;
-  AlignedVector<float> x, r, z, d;  // z also holds H d
+  AlignedVector<float> x, r, d, hd;  // hd = H d
   double norm_b = 0;
   SolveReport report;
 };
 
-// Adds to x what brings the residual r = rhs - H x down to `target`.
+// Adds to x what brings the residual r = rhs - H x down to `target`. What touches one plane only is
+// done with the plane's transform, while it is in cache.
 void conjugate_gradient(Solver& s, double target) {
   const std::size_t pixels = s.system.pixels(), knots = s.system.knots();
-  std::vector<double> partial(knots);  // of inner products, per plane
-  const auto total = [&] { return std::accumulate(partial.begin(), partial.end(), 0.0); };
-  const double start = std::sqrt(dot(s.r, s.r));
-  double rz = 0;
-  float beta = 0;
-  PlaneHooks residual_hooks, direction_hooks;
-  residual_hooks.after = [&](std::size_t k) {
-    partial[k] = dot_block(&s.r[k * pixels], &s.z[k * pixels], pixels);
+  std::vector<double> squares(knots);
+  std::vector<StepSums> sums(knots);
+  double rr = dot(s.r, s.r), rz = 0;
+  float alpha = 0, beta = 0;  // alpha: of the last direction's step, which is still to be made
+  const auto step = [&](std::size_t k) {
+    if (alpha == 0) return;
+    const std::size_t at = k * pixels;
+    squares[k] = step_block(alpha, &s.d[at], &s.hd[at], &s.x[at], &s.r[at], pixels);
   };
-  direction_hooks.before = [&](std::size_t k) {
-    direction_block(beta, &s.z[k * pixels], &s.d[k * pixels], pixels);
+  PlaneHooks hooks;
+  hooks.before = [&](std::size_t k) {
+    float* d = &s.d[k * pixels];
+    if (beta == 0) return finish_preconditioner(s.preconditioner, s.hessian, k, s.workspace, d);
+    AlignedVector<float> z(pixels);
+    finish_preconditioner(s.preconditioner, s.hessian, k, s.workspace, z.data());
+    direction_block(beta, z.data(), d, pixels);
   };
-  direction_hooks.after = [&](std::size_t k) {
-    partial[k] = dot_block(&s.d[k * pixels], &s.z[k * pixels], pixels);
+  hooks.after = [&](std::size_t k) {
+    sums[k] = {};
+    step_sums_block(&s.d[k * pixels], &s.hd[k * pixels], &s.r[k * pixels], &sums[k], pixels);
   };
+  const double start = std::sqrt(rr);
   for (double norm_r = start; s.report.iterations < s.params.max_iterations && norm_r > target;
        ++s.report.iterations) {
     advance_progress(s.progress, "solving",
                      std::clamp(std::log(norm_r / start) / std::log(target / start), 0.0, 1.0));
-    apply_preconditioner(s.preconditioner, s.hessian, s.r.data(), s.z.data(), s.workspace,
-                         residual_hooks);
-    const double rz_new = total();
+    const double rz_new =
+        apply_preconditioner(s.preconditioner, s.hessian, s.r.data(), s.workspace, step);
+    if (alpha != 0) rr = std::accumulate(squares.begin(), squares.end(), 0.0);
+    alpha = 0;
     if (!(rz_new > 0)) break;  // rounding has the last word
     beta = static_cast<float>(rz > 0 ? rz_new / rz : 0);
     rz = rz_new;
-    // z is the new direction's input until its plane has been read, and H d from then on.
-    apply_hessian(s.system, s.hessian, s.d.data(), s.z.data(), s.workspace, direction_hooks);
-    const double curvature = total();
-    if (!(curvature > 0)) break;
-    const auto alpha = static_cast<float>(rz / curvature);
-    norm_r = std::sqrt(parallel_sum(s.d.size(), block, [&](std::size_t begin, std::size_t end) {
-      return step_block(alpha, &s.d[begin], &s.z[begin], &s.x[begin], &s.r[begin], end - begin);
-    }));
+    apply_hessian(s.system, s.hessian, s.d.data(), s.hd.data(), s.workspace, hooks);
+    StepSums total;
+    for (const StepSums& plane : sums) {
+      total.d_hd += plane.d_hd;
+      total.r_hd += plane.r_hd;
+      total.hd_hd += plane.hd_hd;
+    }
+    if (!(total.d_hd > 0)) break;
+    const double length = rz / total.d_hd;
+    alpha = static_cast<float>(length);
+    // |r - alpha H d|^2, before the step is made
+    norm_r = std::sqrt(std::max(0.0, rr - length * (2 * total.r_hd - length * total.hd_hd)));
   }
+  parallel_for(knots, step);
+}
+
+// x and H x to start from: those of `start` times the factor that minimises E, or p - profile.
+// Returns the factor for both.
+double prepare_start(Solver& s, const std::vector<double>& profile, const std::vector<double>& p,
+                     const AlignedVector<double>& g, SolveStart* start) {
+  const std::size_t n = p.size(), pixels = s.system.pixels();
+  const bool given = start != nullptr && !start->deviation.empty();
+  if (given) {
+    s.x = std::move(start->deviation);
+  } else {
+    parallel_for_blocks(n, pixels, [&](std::size_t begin, std::size_t end) {
+      const double m = profile[begin / pixels];
+      for (std::size_t i = begin; i < end; ++i) s.x[i] = static_cast<float>(p[i] - m);
+    });
+  }
+  const bool known = given && !start->product.empty();
+  if (known) s.hd = std::move(start->product);
+  std::vector<double> gx(s.system.knots()), xhx(s.system.knots());
+  const auto measure = [&](std::size_t k) {
+    gx[k] = dot_mixed_block(&g[k * pixels], &s.x[k * pixels], pixels);
+    xhx[k] = dot_block(&s.x[k * pixels], &s.hd[k * pixels], pixels);
+  };
+  if (known) {
+    parallel_for(gx.size(), measure);
+  } else if (dot(s.x, s.x) == 0) {
+    return 0;
+  } else {
+    apply_hessian(s.system, s.hessian, s.x.data(), s.hd.data(), s.workspace, {{}, measure});
+  }
+  const double curvature = std::accumulate(xhx.begin(), xhx.end(), 0.0);
+  return curvature > 0 ? -std::accumulate(gx.begin(), gx.end(), 0.0) / curvature : 0;
 }
 
 // In single precision throughout but for the gradient g at the constant field m = profile:
 //   p = m + x,  r = -g - H x,  E(p) = E(m) + g^T x / 2 - x^T r / 2
-void solve_single(Solver& s, const std::vector<double>& profile, std::vector<double>& p) {
+void solve_single(Solver& s, const std::vector<double>& profile, std::vector<double>& p,
+                  SolveStart* start) {
   const std::size_t n = p.size(), pixels = s.system.pixels();
   const std::vector<double>& b = s.system.right_hand_side;
   AlignedVector<double> g(n);  // first H m
   apply_hessian_to_constant(s.system, s.hessian, profile, g.data(), s.workspace);
-  std::atomic<bool> start_is_mean{true};
   // Blocks are planes, so the profile's value is the same within each.
   const double energy_of_mean =
       s.system.constant + parallel_sum(n, pixels, [&](std::size_t begin, std::size_t end) {
-        const double m = profile[begin / pixels];
-        double sum = 0;
-        bool same = true;
-        for (std::size_t i = begin; i < end; ++i) {
-          sum += m * (0.5 * g[i] - b[i]);
-          g[i] -= b[i];
-          s.x[i] = static_cast<float>(p[i] - m);
-          same = same && s.x[i] == 0;
-        }
-        if (!same) start_is_mean = false;
-        return sum;
+        return subtract_block(profile[begin / pixels], &b[begin], &g[begin], end - begin);
       });
-  const bool from_mean = start_is_mean;
-  if (!from_mean) apply_hessian(s.system, s.hessian, s.x.data(), s.r.data(), s.workspace);
-  for_all(n, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      s.r[i] = static_cast<float>(-g[i] - (from_mean ? 0.0 : static_cast<double>(s.r[i])));
-      s.d[i] = 0;
-    }
+  const auto factor = static_cast<float>(prepare_start(s, profile, p, g, start));
+  parallel_for_blocks(n, pixels, [&](std::size_t begin, std::size_t end) {
+    start_block(factor, &g[begin], &s.hd[begin], &s.x[begin], &s.r[begin], end - begin);
   });
   conjugate_gradient(s, s.params.tolerance * s.norm_b);
   s.report.relative_residual = s.norm_b > 0 ? std::sqrt(dot(s.r, s.r)) / s.norm_b : 0;
   s.report.energy =
       energy_of_mean + 0.5 * parallel_sum(n, pixels, [&](std::size_t begin, std::size_t end) {
-                         const double m = profile[begin / pixels];
-                         double sum = 0;
-                         for (std::size_t i = begin; i < end; ++i) {
-                           const auto x = static_cast<double>(s.x[i]);
-                           sum += x * (g[i] - static_cast<double>(s.r[i]));
-                           p[i] = m + x;
-                         }
-                         return sum;
+                         return finish_block(profile[begin / pixels], &g[begin], &s.x[begin],
+                                             &s.r[begin], &s.hd[begin], &p[begin], end - begin);
                        });
+  if (start != nullptr) *start = {std::move(s.x), std::move(s.hd)};
 }
 
 // Residual b - Hp in double precision; sets the report's residual and energy.
@@ -204,7 +185,6 @@ void refine(Solver& s, std::vector<double>& p) {
     const double norm = before.relative_residual * s.norm_b;
     for (std::size_t i = 0; i < p.size(); ++i) s.r[i] = static_cast<float>(residual[i] / norm);
     std::fill(s.x.begin(), s.x.end(), 0.0f);
-    std::fill(s.d.begin(), s.d.end(), 0.0f);
     const double gain = 0.9 * s.params.tolerance / before.relative_residual;
     conjugate_gradient(s, std::clamp(gain, largest_gain, 0.5));
     add_step(norm);
@@ -246,8 +226,8 @@ std::vector<double> fit_mean_profile(const ReducedSystem& system) {
   for (std::size_t k = 0; k < knots; ++k)
     right(static_cast<Eigen::Index>(k)) =
         parallel_sum(pixels, block, [&](std::size_t begin, std::size_t end) {
-          double sum = 0;
-          for (std::size_t i = begin; i < end; ++i) sum += system.right_hand_side[k * pixels + i];
+          double sum = 0, squares = 0;
+          sums_block(&system.right_hand_side[k * pixels + begin], end - begin, &sum, &squares);
           return sum;
         });
   // A little curvature settles knots that no offset sees.
@@ -266,15 +246,15 @@ std::vector<double> fit_mean_profile(const ReducedSystem& system) {
 SolveReport solve_reduced(const ReducedSystem& system, const Hessian& hessian,
                           const Preconditioner& preconditioner, const SolveParams& params,
                           const std::vector<double>& profile, std::vector<double>& p,
-                          const Progress& progress) {
+                          const Progress& progress, SolveStart* start) {
   const std::size_t n = system.unknowns();
   PARIAN_CHECK_EQ(p.size(), n);
   const std::vector<double>& b = system.right_hand_side;
   Solver solver{system, hessian, preconditioner, params, progress, {}, {}, {}, {}, {}, 0, {}};
-  for (auto* vector : {&solver.x, &solver.r, &solver.z, &solver.d}) vector->resize(n);
+  for (auto* vector : {&solver.x, &solver.r, &solver.d, &solver.hd}) vector->resize(n);
   solver.norm_b = norm(b);
   if (params.tolerance >= single_precision_tolerance) {
-    solve_single(solver, profile, p);
+    solve_single(solver, profile, p, start);
   } else {
     refine(solver, p);
   }

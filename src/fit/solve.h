@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "base/aligned.h"
 #include "base/progress.h"
 #include "fit/hessian.h"
 
@@ -27,10 +28,18 @@ struct SolveReport {
 // The profile that minimises E when every pixel has the same.
 std::vector<double> fit_mean_profile(const ReducedSystem& system);
 
-// Improves p in place, starting from its value. `profile` is a profile near p's mean.
+// What the solve of another channel leaves to the next one: channels resemble each other.
+struct SolveStart {
+  AlignedVector<float> deviation;  // x = p - profile; empty before the first solve
+  AlignedVector<float> product;    // H x; empty when x has not been solved with this H
+};
+
+// Improves p in place, starting from its value. `profile` is a profile near p's mean. A `start`
+// with a deviation replaces p's value in single precision, scaled to fit best; it takes up the
+// solution's.
 SolveReport solve_reduced(const ReducedSystem& system, const Hessian& hessian,
                           const Preconditioner& preconditioner, const SolveParams& params,
                           const std::vector<double>& profile, std::vector<double>& p,
-                          const Progress& progress = {});
+                          const Progress& progress = {}, SolveStart* start = nullptr);
 
 }  // namespace parian

@@ -1,35 +1,61 @@
 #include "fit/stream_kernels.h"
 
+#include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "base/hot.h"
 #include "math/fast_log.h"
 
 namespace parian {
+namespace {
 
-// y = 2 ln R where R is known, else 0. Adds to the sum of squares and counts known values.
+using Floats [[gnu::vector_size(4 * lane_count)]] = float;
+using Ints [[gnu::vector_size(4 * lane_count)]] = std::int32_t;
+using Doubles [[gnu::vector_size(4 * lane_count)]] = double;  // half of the lanes
+
+// y = 2 ln R or 0 of one strip, 0 from `count` on. Each loop is one that compilers vectorise; their
+// union is not.
+[[gnu::always_inline]] inline void double_logs_of_strip(const float* PARIAN_RESTRICT r,
+                                                        float* PARIAN_RESTRICT y, int count,
+                                                        Doubles* PARIAN_RESTRICT sums,
+                                                        Ints* PARIAN_RESTRICT known) {
+  Ints place = {0, 1, 2, 3, 4, 5, 6, 7};
+  alignas(64) float logs[log_strip];
+  alignas(64) double squares[log_strip];
+  for (std::size_t i = 0; i < log_strip; ++i) logs[i] = fast_log(r[i]);
+  for (std::size_t i = 0; i < log_strip; i += lane_count) {
+    Floats value;
+    std::memcpy(&value, logs + i, sizeof(value));
+    const Ints valid = reinterpret_cast<Ints>(value >= -1e30f) &  // neither NaN nor -infinity
+                       reinterpret_cast<Ints>(place < count);     // -1 for true
+    place += static_cast<int>(lane_count);
+    value = reinterpret_cast<Floats>(reinterpret_cast<Ints>(value + value) & valid);
+    std::memcpy(logs + i, &value, sizeof(value));
+    std::memcpy(y + i, &value, sizeof(value));
+    *known -= valid;
+  }
+  for (std::size_t i = 0; i < log_strip; ++i)
+    squares[i] = static_cast<double>(logs[i]) * static_cast<double>(logs[i]);
+  for (std::size_t i = 0; i < log_strip; i += lane_count / 2) {
+    Doubles square;
+    std::memcpy(&square, squares + i, sizeof(square));
+    sums[i / (lane_count / 2) % 2] += square;
+  }
+}
+
+}  // namespace
+
 PARIAN_HOT void double_logs(const float* PARIAN_RESTRICT r, float* PARIAN_RESTRICT y,
                             std::size_t count, double* PARIAN_RESTRICT lanes, int* known) {
-  // Two loops: compilers vectorise each, but not their union.
-  for (std::size_t i = 0; i < count; ++i) y[i] = fast_log(r[i]);
-  int seen = 0;
-  std::size_t i = 0;
-  for (; i + lane_count <= count; i += lane_count) {
-    for (std::size_t j = 0; j < lane_count; ++j) {
-      const bool valid = y[i + j] >= -1e30f;  // neither NaN nor -infinity
-      const float value = valid ? 2 * y[i + j] : 0.0f;
-      y[i + j] = value;
-      lanes[j] += static_cast<double>(value) * static_cast<double>(value);
-      seen += valid ? 1 : 0;
-    }
+  Doubles squares[2] = {};
+  Ints seen{};
+  for (std::size_t i = 0; i < count; i += log_strip)
+    double_logs_of_strip(r + i, y + i, static_cast<int>(count - i), squares, &seen);
+  for (std::size_t j = 0; j < lane_count; ++j) {
+    lanes[j] += squares[j / (lane_count / 2)][j % (lane_count / 2)];
+    *known += seen[j];
   }
-  for (; i < count; ++i) {
-    const bool valid = y[i] >= -1e30f;
-    y[i] = valid ? 2 * y[i] : 0.0f;
-    lanes[0] += static_cast<double>(y[i]) * static_cast<double>(y[i]);
-    seen += valid ? 1 : 0;
-  }
-  *known += seen;
 }
 
 // low += sum_j a_j (s_j + t_j), high += sum_j b_j (s_j + t_j) for four offsets.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -14,6 +15,19 @@
 
 namespace parian {
 namespace {
+
+constexpr std::uint32_t largest_finite_bits = 0x7f7fffff;
+
+// Largest of bits - 1. Positive finite floats have bits in [1, 0x7f7fffff]; zero, infinities, NaN
+// and everything negative lie beyond.
+PARIAN_HOT std::uint32_t largest_bits(const float* values, std::size_t count) {
+  std::uint32_t largest = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t bits = std::bit_cast<std::uint32_t>(values[i]) - 1;
+    largest = bits > largest ? bits : largest;
+  }
+  return largest;
+}
 
 // Number of values that are infinite, and of values <= 0. NaN counts as neither.
 PARIAN_HOT void count_bad(const float* values, std::size_t count, int* infinite,
@@ -146,8 +160,10 @@ std::size_t clean_slice(const TableHeader& header, const std::string& name, int 
     }
     std::fill(row, row + range.x0, nan);
     std::fill(row + range.x1, row + width, nan);
+    const auto count = static_cast<std::size_t>(range.x1 - range.x0);
+    if (largest_bits(row + range.x0, count) >= largest_finite_bits)  // mostly not: NaN or bad
+      count_bad(row + range.x0, count, &infinite, &not_positive);
   }
-  count_bad(slice, header.pixels(), &infinite, &not_positive);
   if (infinite > 0 || (not_positive > 0 && !header.has_noise_model()))
     throw_bad_value(header, name, channel, offset_index, slice);
   return static_cast<std::size_t>(not_positive);

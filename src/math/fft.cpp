@@ -59,4 +59,16 @@ void forward_fft_padded(const FftGrid& grid, const double* padded, double* spect
   PARIAN_FFT_CALL(forward_double, grid, padded, grid.padded_width, grid.padded_height, spectrum);
 }
 
+void fill_parseval_weights(const FftGrid& grid, float* weights) {
+  constexpr std::size_t lanes = spectrum_lanes<float>;
+  const auto rows = static_cast<std::size_t>(grid.padded_height);
+  const std::size_t block = lanes * static_cast<std::size_t>(grid.padded_width);
+  const float one = 1.0f / static_cast<float>(grid.padded_pixels());
+  for (std::size_t i = 0; i < grid.frequencies<float>(); ++i) {
+    const std::size_t f = i / block * lanes + i % lanes;  // along y
+    const bool alone = f == 0 || 2 * f == rows;
+    weights[i] = 2 * f > rows ? 0 : alone ? one : 2 * one;
+  }
+}
+
 }  // namespace parian

@@ -26,8 +26,8 @@ struct FftGrid {
   template <typename Real>
   std::size_t frequencies() const {
     constexpr std::size_t lanes = spectrum_lanes<Real>;
-    const std::size_t half = static_cast<std::size_t>(padded_width) / 2 + 1;
-    return (half + lanes - 1) / lanes * lanes * static_cast<std::size_t>(padded_height);
+    const std::size_t half = static_cast<std::size_t>(padded_height) / 2 + 1;
+    return (half + lanes - 1) / lanes * lanes * static_cast<std::size_t>(padded_width);
   }
 };
 
@@ -51,5 +51,9 @@ void inverse_fft(const FftGrid& grid, double* spectrum, double* plane);
 // index (0, 0) and wrap around.
 void forward_fft_padded(const FftGrid& grid, const float* padded, float* spectrum);
 void forward_fft_padded(const FftGrid& grid, const double* padded, double* spectrum);
+
+// Weights of |spectrum|^2 per frequency that give the sum of a plane's squares: frequencies stand
+// for their mirror images too, padding counts 0.
+void fill_parseval_weights(const FftGrid& grid, float* weights);
 
 }  // namespace parian

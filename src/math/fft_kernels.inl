@@ -2,8 +2,9 @@
 // namespace and `pocketfft` renamed, so that no code of one set leaks into another.
 //
 // pocketfft's plans transform vectors of lines at once. Its own drivers gather those lines value by
-// value, which takes longer than the transforms; here rows are transposed in registers into
-// lanes, and columns lie side by side in the spectrum's blocks, so that nothing is gathered.
+// value, which takes longer than the transforms. Here columns come first, whose values lie side by
+// side already; their spectra are transposed in registers into blocks of frequencies along y, in
+// which rows lie side by side again.
 namespace parian::PARIAN_FFT_SPACE {
 
 typedef float FloatLanes __attribute__((vector_size(32)));
@@ -57,112 +58,106 @@ struct Frame {
   static constexpr int lanes = static_cast<int>(spectrum_lanes<Real>);
 
   int columns, rows, half, blocks;
-  std::shared_ptr<pocketfft::detail::pocketfft_r<Real>> row_plan;
-  std::shared_ptr<pocketfft::detail::pocketfft_c<Real>> column_plan;
-  pocketfft::detail::arr<Vector> line;  // one vector of rows
+  std::shared_ptr<pocketfft::detail::pocketfft_r<Real>> column_plan;
+  std::shared_ptr<pocketfft::detail::pocketfft_c<Real>> row_plan;
+  pocketfft::detail::arr<Vector> line;  // `lanes` columns
 
   explicit Frame(const FftGrid& grid)
       : columns(grid.padded_width),
         rows(grid.padded_height),
-        half(columns / 2 + 1),
+        half(rows / 2 + 1),
         blocks((half + lanes - 1) / lanes),
-        row_plan(pocketfft::detail::get_plan<pocketfft::detail::pocketfft_r<Real>>(
-            static_cast<std::size_t>(columns))),
-        column_plan(pocketfft::detail::get_plan<pocketfft::detail::pocketfft_c<Real>>(
+        column_plan(pocketfft::detail::get_plan<pocketfft::detail::pocketfft_r<Real>>(
             static_cast<std::size_t>(rows))),
-        line(static_cast<std::size_t>(columns)) {}
+        row_plan(pocketfft::detail::get_plan<pocketfft::detail::pocketfft_c<Real>>(
+            static_cast<std::size_t>(columns))),
+        line(static_cast<std::size_t>(rows)) {}
 
+  // Rows of frequencies [b lanes, (b + 1) lanes) along y.
   Complex* block(Real* spectrum, int b) const {
-    return reinterpret_cast<Complex*>(spectrum) + static_cast<std::ptrdiff_t>(b) * rows;
+    return reinterpret_cast<Complex*>(spectrum) + static_cast<std::ptrdiff_t>(b) * columns;
   }
 };
 
-// line[x] = the values at x of `count` rows, zeros to the right and in missing rows.
+// line[y] = the values of `count` columns at y, zeros below and in missing columns.
 template <typename Real>
-void load_rows(Frame<Real>& frame, const Real* rows, int width, int count) {
-  constexpr int lanes = Frame<Real>::lanes;
+void load_columns(Frame<Real>& frame, const Real* columns, int width, int height, int count) {
   using Vector = Lanes<Real>;
-  int x = 0;
-  for (; x + lanes <= width && count == lanes; x += lanes) {
-    Vector tile[lanes];
-    for (int i = 0; i < lanes; ++i)
-      std::memcpy(&tile[i], rows + static_cast<std::ptrdiff_t>(i) * width + x, sizeof(Vector));
-    transpose(tile);
-    for (int i = 0; i < lanes; ++i) frame.line[static_cast<std::size_t>(x + i)] = tile[i];
-  }
-  for (; x < width; ++x) {
+  for (int y = 0; y < height; ++y) {
+    const Real* from = columns + static_cast<std::ptrdiff_t>(y) * width;
     Vector value{};
-    for (int i = 0; i < count; ++i) value[i] = rows[static_cast<std::ptrdiff_t>(i) * width + x];
-    frame.line[static_cast<std::size_t>(x)] = value;
+    if (count == Frame<Real>::lanes) {
+      std::memcpy(&value, from, sizeof(Vector));
+    } else {
+      for (int i = 0; i < count; ++i) value[i] = from[i];
+    }
+    frame.line[static_cast<std::size_t>(y)] = value;
   }
-  for (; x < frame.columns; ++x) frame.line[static_cast<std::size_t>(x)] = Vector{};
+  for (int y = height; y < frame.rows; ++y) frame.line[static_cast<std::size_t>(y)] = Vector{};
 }
 
 template <typename Real>
-void store_rows(Frame<Real>& frame, Real* rows, int width, int count) {
-  constexpr int lanes = Frame<Real>::lanes;
+void store_columns(const Frame<Real>& frame, Real* columns, int width, int height, int count) {
   using Vector = Lanes<Real>;
-  int x = 0;
-  for (; x + lanes <= width && count == lanes; x += lanes) {
-    Vector tile[lanes];
-    for (int i = 0; i < lanes; ++i) tile[i] = frame.line[static_cast<std::size_t>(x + i)];
-    transpose(tile);
-    for (int i = 0; i < lanes; ++i)
-      std::memcpy(rows + static_cast<std::ptrdiff_t>(i) * width + x, &tile[i], sizeof(Vector));
+  for (int y = 0; y < height; ++y) {
+    const Vector value = frame.line[static_cast<std::size_t>(y)];
+    Real* to = columns + static_cast<std::ptrdiff_t>(y) * width;
+    if (count == Frame<Real>::lanes) {
+      std::memcpy(to, &value, sizeof(Vector));
+    } else {
+      for (int i = 0; i < count; ++i) to[i] = value[i];
+    }
   }
-  for (; x < width; ++x)
-    for (int i = 0; i < count; ++i)
-      rows[static_cast<std::ptrdiff_t>(i) * width + x] = frame.line[static_cast<std::size_t>(x)][i];
 }
 
-// Where frequency f of a row's transform lies in pocketfft's order r0, r1, i1, r2, i2, ...; -1:
+// Where frequency f of a column's transform lies in pocketfft's order r0, r1, i1, r2, i2, ...; -1:
 // zero.
 inline int real_index(int f, int half) {
   return f >= half ? -1 : f == 0 ? 0 : 2 * f - 1;
 }
-inline int imaginary_index(int f, int half, int columns) {
-  return f == 0 || f >= half || 2 * f >= columns ? -1 : 2 * f;
+inline int imaginary_index(int f, int half, int rows) {
+  return f == 0 || f >= half || 2 * f >= rows ? -1 : 2 * f;
 }
 
 template <typename Real>
-void rows_to_blocks(Frame<Real>& frame, Real* spectrum, int y) {
+void columns_to_blocks(Frame<Real>& frame, Real* spectrum, int x) {
   constexpr int lanes = Frame<Real>::lanes;
   using Vector = Lanes<Real>;
   const auto entry = [&](int index) {
     return index < 0 ? Vector{} : frame.line[static_cast<std::size_t>(index)];
   };
-  const int count = std::min(lanes, frame.rows - y);
+  const int count = std::min(lanes, frame.columns - x);
   for (int b = 0; b < frame.blocks; ++b) {
     Vector real[lanes], imaginary[lanes];
     for (int i = 0; i < lanes; ++i) {
       const int f = b * lanes + i;
       real[i] = entry(real_index(f, frame.half));
-      imaginary[i] = entry(imaginary_index(f, frame.half, frame.columns));
+      imaginary[i] = entry(imaginary_index(f, frame.half, frame.rows));
     }
     transpose(real);
     transpose(imaginary);
-    auto* column = frame.block(spectrum, b) + y;
-    for (int i = 0; i < count; ++i) column[i].Set(real[i], imaginary[i]);
+    auto* row = frame.block(spectrum, b) + x;
+    for (int i = 0; i < count; ++i) row[i].Set(real[i], imaginary[i]);
   }
 }
 
 template <typename Real>
-void blocks_to_rows(Frame<Real>& frame, Real* spectrum, int y) {
+void blocks_to_columns(Frame<Real>& frame, Real* spectrum, int x) {
   constexpr int lanes = Frame<Real>::lanes;
   using Vector = Lanes<Real>;
-  const int count = std::min(lanes, frame.rows - y);
+  const int count = std::min(lanes, frame.columns - x);
   for (int b = 0; b < frame.blocks; ++b) {
     Vector real[lanes] = {}, imaginary[lanes] = {};
-    const auto* column = frame.block(spectrum, b) + y;
+    const auto* row = frame.block(spectrum, b) + x;
     for (int i = 0; i < count; ++i) {
-      real[i] = column[i].r;
-      imaginary[i] = column[i].i;
+      real[i] = row[i].r;
+      imaginary[i] = row[i].i;
     }
     transpose(real);
     transpose(imaginary);
     for (int i = 0; i < lanes; ++i) {
       const int f = b * lanes + i, r = real_index(f, frame.half),
-                m = imaginary_index(f, frame.half, frame.columns);
+                m = imaginary_index(f, frame.half, frame.rows);
       if (r >= 0) frame.line[static_cast<std::size_t>(r)] = real[i];
       if (m >= 0) frame.line[static_cast<std::size_t>(m)] = imaginary[i];
     }
@@ -173,19 +168,18 @@ template <typename Real>
 void forward(const FftGrid& grid, const Real* plane, int width, int height, Real* spectrum) {
   constexpr int lanes = Frame<Real>::lanes;
   Frame<Real> frame(grid);
-  int y = 0;
-  for (; y < height; y += lanes) {
-    load_rows(frame, plane + static_cast<std::ptrdiff_t>(y) * width, width,
-              std::min(lanes, height - y));
-    frame.row_plan->exec(frame.line.data(), Real(1), true);
-    rows_to_blocks(frame, spectrum, y);
+  int x = 0;
+  for (; x < width; x += lanes) {
+    load_columns(frame, plane + x, width, height, std::min(lanes, width - x));
+    frame.column_plan->exec(frame.line.data(), Real(1), true);
+    columns_to_blocks(frame, spectrum, x);
   }
   for (int b = 0; b < frame.blocks; ++b) {
-    auto* column = frame.block(spectrum, b);
-    if (y < frame.rows)
-      std::memset(static_cast<void*>(column + y), 0,
-                  static_cast<std::size_t>(frame.rows - y) * sizeof(*column));
-    frame.column_plan->exec(column, Real(1), true);
+    auto* row = frame.block(spectrum, b);
+    if (x < frame.columns)
+      std::memset(static_cast<void*>(row + x), 0,
+                  static_cast<std::size_t>(frame.columns - x) * sizeof(*row));
+    frame.row_plan->exec(row, Real(1), true);
   }
 }
 
@@ -196,12 +190,11 @@ void inverse(const FftGrid& grid, Real* spectrum, Real* plane) {
   const Real factor =
       Real(1) / (static_cast<Real>(grid.padded_width) * static_cast<Real>(grid.padded_height));
   for (int b = 0; b < frame.blocks; ++b)
-    frame.column_plan->exec(frame.block(spectrum, b), Real(1), false);
-  for (int y = 0; y < grid.height; y += lanes) {
-    blocks_to_rows(frame, spectrum, y);
-    frame.row_plan->exec(frame.line.data(), factor, false);
-    store_rows(frame, plane + static_cast<std::ptrdiff_t>(y) * grid.width, grid.width,
-               std::min(lanes, grid.height - y));
+    frame.row_plan->exec(frame.block(spectrum, b), Real(1), false);
+  for (int x = 0; x < grid.width; x += lanes) {
+    blocks_to_columns(frame, spectrum, x);
+    frame.column_plan->exec(frame.line.data(), factor, false);
+    store_columns(frame, plane + x, grid.width, grid.height, std::min(lanes, grid.width - x));
   }
 }
 
