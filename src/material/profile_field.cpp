@@ -9,6 +9,7 @@ namespace parian {
 namespace {
 
 constexpr int resampled_knots = 112;
+constexpr double tail_step = 1.12;  // from knot to knot beyond the map's own
 
 // Rows of a whole grid: half_log[pixel][knot][channel] and support[pixel][channel].
 struct Rows {
@@ -32,7 +33,7 @@ std::vector<float> extend_knots(const std::vector<double>& knots, double support
   for (double knot : knots)
     if (knot - static_cast<double>(extended.back()) > 1e-5 * last)
       extended.push_back(static_cast<float>(knot));
-  for (double r = 1.25 * last; r < 0.95 * support; r *= 1.25)
+  for (double r = tail_step * last; r < 0.95 * support; r *= tail_step)
     extended.push_back(static_cast<float>(r));
   if (support > last * (1 + 1e-6)) extended.push_back(static_cast<float>(support * (1 + 1e-6)));
   return extended;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "mesh/flaps_internal.h"
 #include "mesh/mesh.h"
 #include "mesh/orient_internal.h"
 #include "mesh/topology_internal.h"
@@ -164,6 +165,7 @@ MeshReport clean_mesh(TriangleMesh& mesh, const std::string& name) {
   compact(mesh);
   merge_vertices(mesh, report);
   drop_degenerate(mesh, report, name);
+  report.cancelled_triangles = cancel_flaps(mesh, weld_positions(mesh.positions));
   compact(mesh);
   const Orientation orientation = find_orientation(mesh, weld_positions(mesh.positions));
   report.boundary_edges = orientation.boundary_edges;

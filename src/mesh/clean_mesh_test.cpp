@@ -200,5 +200,36 @@ TEST(CleanMesh, ErrorsNameTheFault) {
             "m.ply: expected a mesh with faces, found 2 triangles, none of which has an area");
 }
 
+// A flap glued onto a face: two triangles back to back on the same places.
+TEST(CleanMesh, CancelsFlaps) {
+  TriangleMesh box = make_box({1, 1, 1}, 2);
+  box.normals.clear();
+  box.texcoords.clear();
+  TriangleMesh plain = box;
+  clean_mesh(plain, "box");
+  const auto tip = static_cast<std::uint32_t>(box.positions.size());
+  box.positions.push_back({2, 2, 2});
+  box.triangles.push_back({0, 1, tip});
+  box.triangles.push_back({tip, 1, 0});
+  const MeshReport report = clean_mesh(box, "box");
+  EXPECT_EQ(report.cancelled_triangles, 2u);
+  EXPECT_EQ(report.nonmanifold_edges + report.boundary_edges, 0u);
+  EXPECT_EQ(box.triangles.size(), plain.triangles.size());
+  EXPECT_EQ(box.positions.size(), plain.positions.size());
+  EXPECT_EQ(surface_area(box), surface_area(plain));
+}
+
+// A sheet with two sides is all flaps, and stays.
+TEST(CleanMesh, LeavesTwoSidedSheets) {
+  TriangleMesh sheet = make_plane(1, 2);
+  const std::size_t count = sheet.triangles.size();
+  for (std::size_t t = 0; t < count; ++t) {
+    const std::array<std::uint32_t, 3> v = sheet.triangles[t];
+    sheet.triangles.push_back({v[0], v[2], v[1]});
+  }
+  EXPECT_EQ(clean_mesh(sheet, "sheet").cancelled_triangles, 0u);
+  EXPECT_EQ(sheet.triangles.size(), 2 * count);
+}
+
 }  // namespace
 }  // namespace parian

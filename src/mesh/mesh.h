@@ -46,16 +46,22 @@ struct MeshReport {
   std::size_t unused_vertices = 0;
   std::size_t merged_vertices = 0;
   std::size_t degenerate_triangles = 0;
+  std::size_t cancelled_triangles = 0;  // pairs on the same places that look opposite ways
   std::size_t flipped_triangles = 0;
   std::size_t boundary_edges = 0;
   std::size_t nonmanifold_edges = 0;
 };
 
 // Makes a mesh from outside ready for use: drops unused vertices and triangles without area, merges
-// vertices that agree in every attribute (positions alone for the topology), turns the faces of
-// each component so that they agree and look outward, and computes normals where there are none.
-// Throws Error with `name` as its file for no faces, indices out of range, non-finite values (names
-// the vertex), attribute arrays of another length, and when every triangle is degenerate.
+// vertices that agree in every attribute (positions alone for the topology), removes pairs of faces
+// on the same places that look opposite ways (flaps of decimated scans), turns the faces of each
+// component so that they agree and look outward, and computes normals where there are none.
+// Components are what manifold edges connect. Closed ones, small gaps aside, enclose a positive
+// volume, but cavities (inside a larger one and wound against the largest) a negative one; open
+// ones keep the side of most of their area, unless most of the closed ones were inside out. Normals
+// of the file are turned to the side of their faces. Throws Error with `name` as its file for no
+// faces, indices out of range, non-finite values (names the vertex), attribute arrays of another
+// length, and when every triangle is degenerate.
 MeshReport clean_mesh(TriangleMesh& mesh, const std::string& name);
 
 // Uniformly scaled so that the longest side of its box is size_mm, and centred on the origin in x

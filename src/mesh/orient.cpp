@@ -135,9 +135,9 @@ void restore_winding(std::vector<Component>& components, Orientation& result) {
 
 void turn_components(const TriangleMesh& mesh, std::vector<Component>& components,
                      Orientation& result) {
-  const Component* largest = nullptr;
+  double largest = 0;  // signed volume
   for (const Component& c : components)
-    if (c.closed && (!largest || std::abs(c.volume) > std::abs(largest->volume))) largest = &c;
+    if (c.closed && std::abs(c.volume) > std::abs(largest)) largest = c.volume;
   std::size_t budget = std::size_t{1} << 28u;
   double closed_area = 0;
   double turned_area = 0;
@@ -145,7 +145,7 @@ void turn_components(const TriangleMesh& mesh, std::vector<Component>& component
     Component& c = components[id];
     c.turn = c.closed && c.volume < 0;
     if (!c.closed) continue;
-    if (c.volume * largest->volume < 0 && is_enclosed(mesh, result, components, id, budget))
+    if (c.volume * largest < 0 && is_enclosed(mesh, result, components, id, budget))
       c.turn = !c.turn;
     closed_area += c.area;
     if (c.turn) turned_area += c.area;

@@ -48,6 +48,50 @@ Vec2 sphere_texcoord(Vec3 p) {
   return {static_cast<float>(longitude / pi), static_cast<float>(latitude / pi)};
 }
 
+TriangleMesh make_icosahedron() {
+  TriangleMesh mesh;
+  const double golden = (1 + std::sqrt(5.0)) / 2;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const double a : {-1.0, 1.0}) {
+      for (const double b : {-golden, golden}) {
+        const std::array<double, 3> p{0, a, b};
+        mesh.positions.push_back(to_unit({p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]}));
+      }
+    }
+  }
+  // Faces: three vertices at the edge's length, 1.05, from each other.
+  for (std::uint32_t a = 0; a < 12; ++a) {
+    for (std::uint32_t b = a + 1; b < 12; ++b) {
+      for (std::uint32_t c = b + 1; c < 12; ++c) {
+        const Vec3 p = mesh.positions[a], q = mesh.positions[b], r = mesh.positions[c];
+        if (std::max({distance(p, q), distance(q, r), distance(r, p)}) > 1.1f) continue;
+        const bool outward = dot(cross(q - p, r - p), p) > 0;
+        mesh.triangles.push_back(outward ? Triangle{a, b, c} : Triangle{a, c, b});
+      }
+    }
+  }
+  return mesh;
+}
+
+// Four triangles for one, their new vertices on the unit sphere.
+void subdivide_sphere(TriangleMesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+    const auto [at, added] = middles.try_emplace(std::minmax(a, b), vertex_count(mesh));
+    if (added)
+      mesh.positions.push_back(
+          to_unit(to_double(mesh.positions[a]) + to_double(mesh.positions[b])));
+    return at->second;
+  };
+  std::vector<Triangle> finer;
+  finer.reserve(4 * mesh.triangles.size());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+  }
+  mesh.triangles = std::move(finer);
+}
+
 // One face of a box, seen from outside: `right` and `down` span it around `middle` (half sides).
 void add_face(TriangleMesh& mesh, Vec3 middle, Vec3 right, Vec3 down, int divisions) {
   const std::uint32_t first = vertex_count(mesh);
@@ -169,41 +213,8 @@ void add_fin_side(TriangleMesh& mesh, int columns, int rows, int side) {
 TriangleMesh make_sphere(int subdivisions) {
   PARIAN_CHECK_LE(0, subdivisions);
   PARIAN_CHECK_LE(subdivisions, 10);
-  TriangleMesh mesh;
-  const double golden = (1 + std::sqrt(5.0)) / 2;
-  for (int axis = 0; axis < 3; ++axis)
-    for (const double a : {-1.0, 1.0})
-      for (const double b : {-golden, golden}) {
-        const std::array<double, 3> p{0, a, b};
-        const auto at = [&](int i) { return p[static_cast<std::size_t>((i + axis) % 3)]; };
-        mesh.positions.push_back(to_unit({at(0), at(1), at(2)}));
-      }
-  // Faces: three vertices at the edge's length from each other.
-  for (std::uint32_t a = 0; a < 12; ++a)
-    for (std::uint32_t b = a + 1; b < 12; ++b)
-      for (std::uint32_t c = b + 1; c < 12; ++c) {
-        const Vec3 p = mesh.positions[a], q = mesh.positions[b], r = mesh.positions[c];
-        if (std::max({distance(p, q), distance(q, r), distance(r, p)}) > 1.1f) continue;
-        const bool outward = dot(cross(q - p, r - p), p) > 0;
-        mesh.triangles.push_back(outward ? Triangle{a, b, c} : Triangle{a, c, b});
-      }
-  for (int level = 0; level < subdivisions; ++level) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [at, added] = middles.try_emplace(std::minmax(a, b), vertex_count(mesh));
-      if (added)
-        mesh.positions.push_back(
-            to_unit(to_double(mesh.positions[a]) + to_double(mesh.positions[b])));
-      return at->second;
-    };
-    std::vector<Triangle> finer;
-    finer.reserve(4 * mesh.triangles.size());
-    for (const auto& [a, b, c] : mesh.triangles) {
-      const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-      finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-    }
-    mesh.triangles = std::move(finer);
-  }
+  TriangleMesh mesh = make_icosahedron();
+  for (int level = 0; level < subdivisions; ++level) subdivide_sphere(mesh);
   mesh.normals = mesh.positions;
   for (const Vec3& p : mesh.positions) mesh.texcoords.push_back(sphere_texcoord(p));
   return mesh;

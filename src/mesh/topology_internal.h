@@ -25,7 +25,6 @@ template <typename Visit>
 void for_each_edge(std::span<const Triangle> triangles, std::span<const std::uint32_t> weld,
                    const Visit& visit);
 
-// Cross product of two edges in double precision: twice the area along the outward normal.
 struct Vec3d {
   double x = 0;
   double y = 0;
@@ -60,6 +59,7 @@ inline Vec3 to_unit(Vec3d a) {
   const double l = length(a);
   return l > 0 ? to_float(a * (1 / l)) : Vec3{};
 }
+// Cross product of two edges: twice the area along the outward normal.
 inline Vec3d double_area_normal(const TriangleMesh& mesh, const Triangle& t) {
   const Vec3d a = to_double(mesh.positions[t[0]]);
   return cross(to_double(mesh.positions[t[1]]) - a, to_double(mesh.positions[t[2]]) - a);

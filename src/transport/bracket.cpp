@@ -40,7 +40,9 @@ void eval_lower_logs(const MomentSources& sources, const KnotView& lookup,
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t id = emitter_of(sources, nodes[i]);
     const float* whole = sources.shapes[nodes[i]].min_support;
-    const std::size_t row = emitters.row[id] * emitters.row_size;
+    const std::size_t row = sources.whole_row[id] * emitters.row_size;
+    const std::size_t slopes =
+        sources.slopes.size() == emitters.row_size ? 0 : nodes[i] * emitters.row_size;
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const float distance = r[i * lanes + lane];
       const std::int32_t k = find_segment(lookup, std::min(distance, lookup.last));
@@ -49,7 +51,7 @@ void eval_lower_logs(const MomentSources& sources, const KnotView& lookup,
       for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t at = 3 * static_cast<std::size_t>(k) + c, j = row + at;
         const float* target = &block.half_log[at * lanes + lane];
-        const float tangent = emitters.rows[j] + sources.slopes[j] * beyond;
+        const float tangent = emitters.rows[j] + sources.slopes[slopes + at] * beyond;
         const float value = std::max(tangent, emitters.rows[j + 3]) + target[0] +
                             t * (target[3 * lanes] - target[0]) + emitters.log_flux[c][id];
         const bool cut = distance > whole[c] || distance > block.support[c][lane];
@@ -107,6 +109,8 @@ void bracket_nodes(const MomentSources& sources, const KnotLookup& lookup,
                    std::vector<Bracket>& out) {
   const BlockView targets = view(block);
   const EmitterView emitters = view(sources.emitters);
+  EmitterView whole = emitters;
+  whole.row = sources.whole_row.data();
   out.resize(nodes.size());
   Distances distances;
   alignas(64) std::array<float, gather_chunk * 3 * lanes> estimate, lower, upper;
@@ -118,7 +122,7 @@ void bracket_nodes(const MomentSources& sources, const KnotLookup& lookup,
     eval_distances(emitters, ids.data(), count, targets, distances.middle.data());
     eval_logs(emitters, view(lookup), ids.data(), count, targets, distances.middle.data(),
               NodeExtent::second_order, estimate.data());
-    eval_logs(emitters, view(lookup), ids.data(), count, targets, distances.nearest.data(),
+    eval_logs(whole, view(lookup), ids.data(), count, targets, distances.nearest.data(),
               NodeExtent::point, upper.data());
     eval_lower_logs(sources, view(lookup), &nodes[begin], count, block, distances.farthest.data(),
                     lower.data());

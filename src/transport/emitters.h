@@ -24,7 +24,10 @@ inline constexpr float log_of_nothing = -1000;
 struct Emitters {
   std::array<std::vector<float>, 3> position;  // x, y, z in mm
   std::array<std::vector<float>, 3> log_flux;  // per channel
-  std::array<std::vector<float>, 3> support;   // per channel, mm
+  std::array<std::vector<float>, 3> support;   // per channel, mm; a node's largest
+  // A node ends gradually, as its samples do one after another: half of it is left at `edge`, over
+  // a distance of `edge_width`. Samples: their support, and 0.
+  std::array<std::vector<float>, 3> edge, edge_width;
   std::vector<float> spread;  // a quarter of a node's mean squared extent in mm^2, 0 for samples
   std::vector<std::uint32_t> row;  // index of its row in `rows`
   AlignedVector<float> rows;       // [row][knot][channel]
@@ -39,6 +42,8 @@ struct EmitterView {
   const float* z;
   const float* log_flux[3];
   const float* support[3];
+  const float* edge[3];
+  const float* edge_width[3];
   const float* spread;
   const std::uint32_t* row;
   const float* rows;

@@ -1,9 +1,11 @@
 #include "transport/gather_kernels.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "base/hot.h"
+#include "math/fast_log.h"
 
 namespace parian {
 
@@ -45,6 +47,7 @@ constexpr float largest_correction = 0.5f;
 // Segments that the lanes' distances fall into: [first, last].
 struct Segments {
   std::int32_t first, last;
+  float farthest;
 };
 
 [[gnu::always_inline]] inline Segments find_segments(const KnotView& lookup, const float* r) {
@@ -53,9 +56,19 @@ struct Segments {
     nearest = r[lane] < nearest ? r[lane] : nearest;
     farthest = r[lane] > farthest ? r[lane] : farthest;
   }
-  nearest = nearest < lookup.last ? nearest : lookup.last;
-  farthest = farthest < lookup.last ? farthest : lookup.last;
-  return {find_segment(lookup, nearest), find_segment(lookup, farthest)};
+  return {find_segment(lookup, std::min(nearest, lookup.last)),
+          find_segment(lookup, std::min(farthest, lookup.last)), farthest};
+}
+
+// Takes away what lies beyond a support: all of it (width 0), or the part of a node's samples that
+// is, if they end evenly over the width.
+void cut_off(const float* r, const float* limit, float edge, float width, float* values) {
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    const float left = std::min(edge, limit[lane]) - r[lane];
+    if (left >= 0.5f * width) continue;
+    const float part = width > 0 ? 0.5f + left / width : 0;
+    values[lane] = part > 0 ? values[lane] + fast_log(part) : log_of_nothing;
+  }
 }
 
 }  // namespace
@@ -66,11 +79,11 @@ PARIAN_HOT void eval_logs(const EmitterView& emitters, const KnotView& lookup,
                           const std::uint32_t* ids, std::size_t count, const BlockView& block,
                           const float* PARIAN_RESTRICT r, NodeExtent extent,
                           float* PARIAN_RESTRICT out) {
-  const Lanes nothing = Lanes{} + log_of_nothing;
   const Lanes largest = Lanes{} + largest_correction;
   const float order = extent == NodeExtent::second_order ? 1 : 0;
-  Lanes limit[3];
-  for (std::size_t c = 0; c < 3; ++c) load(block.support + c * lanes, limit[c]);
+  float least_limit[3];
+  for (std::size_t c = 0; c < 3; ++c)
+    least_limit[c] = *std::min_element(block.support + c * lanes, block.support + (c + 1) * lanes);
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t id = ids[i];
     const Segments segments = find_segments(lookup, r + i * lanes);
@@ -99,9 +112,14 @@ PARIAN_HOT void eval_logs(const EmitterView& emitters, const KnotView& lookup,
       }
     }
     for (std::size_t c = 0; c < 3; ++c) {
-      const auto cut = (distance > emitters.support[c][id]) | (distance > limit[c]);
       const Lanes value = result[c] + emitters.log_flux[c][id];
-      store(cut ? nothing : value, out + (i * 3 + c) * lanes);
+      float* to = out + (i * 3 + c) * lanes;
+      store(value, to);
+      const bool is_node = extent == NodeExtent::second_order && emitters.edge_width[c][id] > 0;
+      const float width = is_node ? emitters.edge_width[c][id] : 0;
+      const float edge = is_node ? emitters.edge[c][id] : emitters.support[c][id];
+      if (segments.farthest + 0.5f * width > std::min(edge, least_limit[c]))
+        cut_off(r + i * lanes, block.support + c * lanes, edge, width, to);
     }
   }
 }

@@ -114,7 +114,7 @@ class Walk {
         if (error > 0.1f && !is_cut) return false;
         continue;
       }
-      if (is_cut) error = std::max(error, 2.0f);
+      if (is_cut) error = std::max(error, 0.5f);
       const float log_value = y0 + t * (y1 - y0) + emitters.log_flux[c][id];
       if (log_value + fast_log(error) > opening.log_budget[c]) return false;
     }

@@ -21,7 +21,7 @@ namespace parian {
 struct TreeGatherParams {
   // Opening criterion for speed: estimated error of a node relative to the target's exitance. 0:
   // none is accepted, which is brute force.
-  double quality = 0.002;
+  double quality = 0.0005;
   // > 0: nodes are opened until the bracket certifies this relative half-width at every target and
   // in every channel; quality is then not used.
   double tolerance = 0;

@@ -8,14 +8,32 @@
 namespace parian {
 namespace {
 
+// Of what rows hold without any end to the samples.
+constexpr double least_part = 1e-3;
+
 // Sums over a node's samples. Rows are linear and in double precision: profiles fall by many orders
 // of magnitude.
 struct NodeSums {
   std::vector<double> moment;  // B[knot][channel] = sum flux a(r_k)
+  std::vector<double> left;    // the same without what lies beyond supports
   std::vector<double> slope;   // sum flux a(r_k) d ln a / dr
   double weight = 0, x = 0, y = 0, z = 0, square = 0;
   double flux[3] = {0, 0, 0};
 };
+
+// What a sample that ends at `support` counts for at knot k: the hats' coefficients of a step that
+// keep its integral over each segment, so that rows of many samples fall as these end.
+double part_left(const std::vector<float>& knots, std::size_t k, float support) {
+  if (support >= 0.999f * knots.back()) return 1;  // the edge of the node cuts it
+  if (k + 1 < knots.size() && support >= knots[k + 1]) return 1;
+  if (support >= knots[k]) {
+    const double f = static_cast<double>((support - knots[k]) / (knots[k + 1] - knots[k]));
+    return 0.5 * (1 + 2 * f - f * f);
+  }
+  if (k == 0 || support <= knots[k - 1]) return 0;
+  const double f = static_cast<double>((support - knots[k - 1]) / (knots[k] - knots[k - 1]));
+  return 0.5 * f * f;
+}
 
 void add_sample(NodeSums& sums, const MomentSources& sources, const std::vector<float>& knots,
                 std::uint32_t i, bool rows) {
@@ -41,6 +59,7 @@ void add_sample(NodeSums& sums, const MomentSources& sources, const std::vector<
       const std::size_t at = 3 * k + c;
       const double a = power[c] * std::exp(static_cast<double>(h[at]));
       sums.moment[at] += a;
+      sums.left[at] += a * part_left(knots, k, emitters.support[c][i]);
       if (k + 1 < knots.size())
         sums.slope[at] += a * static_cast<double>(h[at + 3] - h[at]) /
                           static_cast<double>(knots[k + 1] - knots[k]);
@@ -50,6 +69,7 @@ void add_sample(NodeSums& sums, const MomentSources& sources, const std::vector<
 void add_sums(NodeSums& sums, const NodeSums& child) {
   for (std::size_t j = 0; j < sums.moment.size(); ++j) {
     sums.moment[j] += child.moment[j];
+    sums.left[j] += child.left[j];
     sums.slope[j] += child.slope[j];
   }
   sums.weight += child.weight;
@@ -57,7 +77,9 @@ void add_sums(NodeSums& sums, const NodeSums& child) {
   sums.y += child.y;
   sums.z += child.z;
   sums.square += child.square;
-  for (std::size_t c = 0; c < 3; ++c) sums.flux[c] += child.flux[c];
+  for (std::size_t c = 0; c < 3; ++c) {
+    sums.flux[c] += child.flux[c];
+  }
 }
 
 float log_or_nothing(double value) {
@@ -82,6 +104,7 @@ class NodeBuilder {
     if (node.left == 0) {
       if (has_rows_) {
         sums.moment.assign(sources_.emitters.row_size, 0);
+        sums.left.assign(sources_.emitters.row_size, 0);
         sums.slope.assign(sources_.emitters.row_size, 0);
       }
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
@@ -129,14 +152,21 @@ class NodeBuilder {
     emitters.spread[id] = 0.25f * shape.spread_mm * shape.spread_mm;
     for (std::size_t c = 0; c < 3; ++c) {
       emitters.support[c][id] = shape.max_support[c];
+      emitters.edge[c][id] = shape.max_support[c];
+      // The extent along the line of sight as a uniform distribution.
+      emitters.edge_width[c][id] = shape.spread_mm * std::sqrt(6.0f);
       emitters.log_flux[c][id] = has_rows_ ? 0 : log_or_nothing(sums.flux[c]);
     }
-    emitters.row[id] = has_rows_ ? static_cast<std::uint32_t>(id) : 0;
+    emitters.row[id] = has_rows_ ? static_cast<std::uint32_t>(samples_ + 2 * index) : 0;
+    sources_.whole_row[id] = has_rows_ ? emitters.row[id] + 1 : 0;
     if (!has_rows_) return;
-    float* row = &emitters.rows[id * emitters.row_size];
-    float* slope = &sources_.slopes[id * emitters.row_size];
-    for (std::size_t j = 0; j < emitters.row_size; ++j) {
-      row[j] = log_or_nothing(sums.moment[j]);
+    const std::size_t size = emitters.row_size;
+    float* row = &emitters.rows[emitters.row[id] * size];
+    float* slope = &sources_.slopes[index * size];
+    for (std::size_t j = 0; j < size; ++j) {
+      // Where all have ended, the edge cuts; until then the row must not plunge.
+      row[j] = log_or_nothing(std::max(sums.left[j], least_part * sums.moment[j]));
+      row[size + j] = log_or_nothing(sums.moment[j]);
       slope[j] = sums.moment[j] > 0 ? static_cast<float>(sums.slope[j] / sums.moment[j]) : 0;
     }
   }
@@ -147,18 +177,13 @@ class NodeBuilder {
   bool has_rows_;  // false: homogeneous, all share one
 };
 
-// Slopes of the samples' rows.
-void fill_slopes(MomentSources& sources, const std::vector<float>& knots, std::size_t rows) {
-  const std::size_t size = sources.emitters.row_size;
-  parallel_for_blocks(rows, 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row)
-      for (std::size_t at = 0; at < size; ++at) {
-        const float* h = &sources.emitters.rows[row * size + at];
-        const std::size_t k = at / 3;
-        sources.slopes[row * size + at] =
-            at + 3 < size ? (h[3] - h[0]) / (knots[k + 1] - knots[k]) : 0;
-      }
-  });
+// Slopes of the one row that all share.
+void fill_slopes(MomentSources& sources, const std::vector<float>& knots) {
+  const AlignedVector<float>& h = sources.emitters.rows;
+  for (std::size_t at = 0; at < sources.slopes.size(); ++at)
+    sources.slopes[at] = at + 3 < sources.slopes.size()
+                             ? (h[at + 3] - h[at]) / (knots[at / 3 + 1] - knots[at / 3])
+                             : 0;
 }
 
 }  // namespace
@@ -178,10 +203,10 @@ MomentSources make_moment_sources(const ProfileField& field, const GatherSources
   if (!with_nodes || samples == 0) return result;
   result.shapes.resize(nodes);
   const bool homogeneous = field.width == 1 && field.height == 1;
-  const std::size_t rows = homogeneous ? 1 : samples + nodes;
-  result.emitters.rows.resize(rows * field.row());
-  result.slopes.resize(rows * field.row());
-  fill_slopes(result, field.knots_mm, homogeneous ? 1 : samples);
+  result.whole_row = result.emitters.row;
+  result.emitters.rows.resize((homogeneous ? 1 : samples + 2 * nodes) * field.row());
+  result.slopes.resize((homogeneous ? 1 : nodes) * field.row());
+  if (homogeneous) fill_slopes(result, field.knots_mm);
   NodeBuilder(field, result).build(0);
   return result;
 }

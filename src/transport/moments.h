@@ -22,7 +22,9 @@ struct MomentSources {
   Emitters emitters;    // samples in the tree's order, then one for each node, at its centroid
   NearSamples samples;  // the same samples
   std::vector<NodeShape> shapes;
-  // [emitter's row][knot][channel]: slope of L just beyond the knot, for lower bounds.
+  // For bounds: each emitter's row as if no sample ended; and the slopes of the nodes' just beyond
+  // each knot, [node][knot][channel], or one for all where the emitters share a row.
+  std::vector<std::uint32_t> whole_row;
   AlignedVector<float> slopes;
 };
 // `with_nodes` false: samples alone, for brute force.

@@ -39,5 +39,6 @@ void fuzz_sample(Case& c);
 void fuzz_table(Case& c);
 void fuzz_map(Case& c);
 void fuzz_image(Case& c);
+void fuzz_mesh(Case& c);
 
 }  // namespace parian::fuzz

@@ -177,6 +177,7 @@ void describe_surface(Document& figures, const TriangleMesh& mesh, const MeshRep
   set(figures, "unused_vertices", report.unused_vertices);
   set(figures, "merged_vertices", report.merged_vertices);
   set(figures, "degenerate_triangles", report.degenerate_triangles);
+  set(figures, "cancelled_triangles", report.cancelled_triangles);
   set(figures, "flipped_triangles", report.flipped_triangles);
   set(figures, "boundary_edges", report.boundary_edges);
   set(figures, "nonmanifold_edges", report.nonmanifold_edges);

@@ -41,6 +41,7 @@ Document to_document(const MeshReport& mesh) {
   return Document::Object{{"unused_vertices", mesh.unused_vertices},
                           {"merged_vertices", mesh.merged_vertices},
                           {"degenerate_triangles", mesh.degenerate_triangles},
+                          {"cancelled_triangles", mesh.cancelled_triangles},
                           {"flipped_triangles", mesh.flipped_triangles},
                           {"boundary_edges", mesh.boundary_edges},
                           {"nonmanifold_edges", mesh.nonmanifold_edges}};
