@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -159,18 +160,26 @@ double time_of(const Work& work) {
   return best;
 }
 
-// Every tenth group of neighbours, so that brute force keeps its blocks together.
-std::vector<std::size_t> pick_patches(std::size_t count) {
-  std::vector<std::size_t> picked;
-  for (std::size_t i = 0; i < count; ++i)
-    if (i / 64 % 10 == 0) picked.push_back(i);
+// About 10,000 targets in patches of 128 neighbours, so that brute force keeps its blocks compact.
+std::vector<std::size_t> pick_patches(const std::vector<GatherPoint>& targets) {
+  constexpr std::size_t patches = 78, patch = 128;
+  std::vector<std::size_t> picked, nearest(targets.size());
+  for (std::size_t i = 0; i < patches; ++i) {
+    const Vec3 middle = targets[targets.size() * (2 * i + 1) / (2 * patches)].position;
+    std::iota(nearest.begin(), nearest.end(), std::size_t{0});
+    std::nth_element(
+        nearest.begin(), nearest.begin() + patch, nearest.end(), [&](std::size_t a, std::size_t b) {
+          return distance(targets[a].position, middle) < distance(targets[b].position, middle);
+        });
+    picked.insert(picked.end(), nearest.begin(), nearest.begin() + patch);
+  }
   return picked;
 }
 
 void bench_gather() {
   const Problem problem = make_problem(200000);
   const MomentTree tree(problem.field, problem.sources);
-  const std::vector<std::size_t> picked = pick_patches(problem.vertices.size());
+  const std::vector<std::size_t> picked = pick_patches(problem.vertices);
   std::vector<GatherPoint> some;
   for (std::size_t i : picked) some.push_back(problem.vertices[i]);
   std::vector<Rgb> exact;
@@ -186,7 +195,7 @@ void bench_gather() {
       static_cast<double>(problem.field.max_support_mm), size_mm, 1e6 * brute, some.size(), build);
   fmt::print("{:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>10} {:>10} {:>8}\n", "quality", "us",
              "ratio", "nodes", "rms %", "99 % %", "max %", "half-w. %", "mean h. %", "outside");
-  for (double quality : {1e-2, 5e-3, 2e-3, 1e-3, 3e-4, 1e-4}) {
+  for (double quality : {1e-2, 2e-3, 1e-3, 5e-4, 2e-4, 5e-5}) {
     TreeGatherParams params;
     params.quality = quality;
     params.certify_every = 0;

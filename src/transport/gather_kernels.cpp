@@ -60,14 +60,17 @@ struct Segments {
           find_segment(lookup, std::min(farthest, lookup.last)), farthest};
 }
 
-// Takes away what lies beyond a support: all of it (width 0), or the part of a node's samples that
-// is, if they end evenly over the width.
-void cut_off(const float* r, const float* limit, float edge, float width, float* values) {
+// Takes away the part of a node's samples that lies beyond a support, if they end evenly over the
+// width. Without branches, so that it vectorises.
+[[gnu::always_inline]] inline void fade_out(const float* r, const float* limit, float edge,
+                                            float width, float* values) {
+  constexpr float least = 1e-30f;  // e^-69
   for (std::size_t lane = 0; lane < lanes; ++lane) {
-    const float left = std::min(edge, limit[lane]) - r[lane];
-    if (left >= 0.5f * width) continue;
-    const float part = width > 0 ? 0.5f + left / width : 0;
-    values[lane] = part > 0 ? values[lane] + fast_log(part) : log_of_nothing;
+    const float end = edge < limit[lane] ? edge : limit[lane];
+    float part = 0.5f + (end - r[lane]) / width;
+    part = part < 1 ? part : 1;
+    part = part > least ? part : least;
+    values[lane] += fast_log(part);
   }
 }
 
@@ -81,9 +84,13 @@ PARIAN_HOT void eval_logs(const EmitterView& emitters, const KnotView& lookup,
                           float* PARIAN_RESTRICT out) {
   const Lanes largest = Lanes{} + largest_correction;
   const float order = extent == NodeExtent::second_order ? 1 : 0;
+  const Lanes nothing = Lanes{} + log_of_nothing;
+  Lanes limit[3];
   float least_limit[3];
-  for (std::size_t c = 0; c < 3; ++c)
+  for (std::size_t c = 0; c < 3; ++c) {
+    load(block.support + c * lanes, limit[c]);
     least_limit[c] = *std::min_element(block.support + c * lanes, block.support + (c + 1) * lanes);
+  }
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t id = ids[i];
     const Segments segments = find_segments(lookup, r + i * lanes);
@@ -114,12 +121,16 @@ PARIAN_HOT void eval_logs(const EmitterView& emitters, const KnotView& lookup,
     for (std::size_t c = 0; c < 3; ++c) {
       const Lanes value = result[c] + emitters.log_flux[c][id];
       float* to = out + (i * 3 + c) * lanes;
-      store(value, to);
-      const bool is_node = extent == NodeExtent::second_order && emitters.edge_width[c][id] > 0;
-      const float width = is_node ? emitters.edge_width[c][id] : 0;
-      const float edge = is_node ? emitters.edge[c][id] : emitters.support[c][id];
-      if (segments.farthest + 0.5f * width > std::min(edge, least_limit[c]))
-        cut_off(r + i * lanes, block.support + c * lanes, edge, width, to);
+      const float width = order * emitters.edge_width[c][id];
+      if (width > 0) {
+        const float edge = emitters.edge[c][id];
+        store(value, to);
+        if (segments.farthest + 0.5f * width > std::min(edge, least_limit[c]))
+          fade_out(r + i * lanes, block.support + c * lanes, edge, width, to);
+      } else {
+        const auto cut = (distance > emitters.support[c][id]) | (distance > limit[c]);
+        store(cut ? nothing : value, to);
+      }
     }
   }
 }

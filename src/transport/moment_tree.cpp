@@ -94,8 +94,10 @@ class Walk {
     const std::uint32_t id = emitter_of(sources_, index);
     const Vec3 centroid{emitters.position[0][id], emitters.position[1][id],
                         emitters.position[2][id]};
-    const float r = std::min(std::max(min_distance(region_.box, centroid), gap), lookup_.last);
-    if (opening.coarse && shape.spread_mm > 0.4f * r) return false;
+    // A coarse walk does not go into what is smaller than the region.
+    const float least = opening.coarse ? 0.5f * diagonal(region_.box) : gap;
+    const float r = std::min(std::max(min_distance(region_.box, centroid), least), lookup_.last);
+    if (opening.coarse && shape.spread_mm > 0.6f * r) return false;
     const float spread2 = shape.spread_mm * shape.spread_mm;
     const std::int32_t k = find_segment(lookup_, r);
     const float beyond = r - lookup_.knots[k], t = beyond * lookup_.inverse_step[k];
@@ -111,7 +113,7 @@ class Walk {
       const float second = 0.5f * spread2 * steepness * (steepness + 1 / (r + 1e-6f));
       float error = second + second * second + 1e-9f;  // the square: higher orders
       if (opening.coarse) {
-        if (error > 0.1f && !is_cut) return false;
+        if (error > 0.5f && !is_cut) return false;
         continue;
       }
       if (is_cut) error = std::max(error, 0.5f);
