@@ -18,9 +18,9 @@ namespace parian {
 namespace {
 
 constexpr const char* mesh_file = "dragon-100250.ply";
-constexpr const char* environment_file = "studio.exr";
+constexpr const char* environment_file = "sunset.exr";
 constexpr double size_mm = 80;
-constexpr float amplification = 10;  // of the difference picture
+constexpr float amplification = 4;  // of the difference picture
 
 struct Setting {
   Scene scene;
@@ -32,12 +32,12 @@ bool has_asset(const std::string& assets, const char* file) {
   return !assets.empty() && std::filesystem::exists(assets + "/" + file, ignored);
 }
 
-// The dragon under a studio's light and a lamp behind it; built-in stand-ins where assets are
-// missing.
+// The dragon under an evening sky and a lamp; built-in stand-ins where assets are missing.
 Setting make_setting(const std::string& assets) {
   Setting setting;
   Scene& scene = setting.scene;
-  EnvironmentLight studio;
+  EnvironmentLight sky;
+  sky.scale = {0.6f, 0.6f, 0.6f};
   if (has_asset(assets, mesh_file)) {
     scene.mesh = load_mesh(assets + "/" + mesh_file);
     setting.description = "The Stanford dragon (Stanford 3D Scanning Repository)";
@@ -49,21 +49,21 @@ Setting make_setting(const std::string& assets) {
   scene.mesh_name = mesh_file;
   fit_to_size(scene.mesh, size_mm);
   if (has_asset(assets, environment_file)) {
-    studio.image =
+    sky.image =
         make_environment_image(load_image(assets + "/" + environment_file), environment_file);
     setting.description +=
         fmt::format(", {} mm long, lit by the environment '{}'", size_mm, environment_file);
   } else {
-    studio.image = make_studio_image();
-    setting.description += fmt::format(", {} mm long, lit by a built-in studio", size_mm);
+    sky.image = make_sky_image();
+    setting.description += fmt::format(", {} mm long, lit by a built-in sky", size_mm);
   }
-  setting.description += " and by a lamp behind it.";
+  setting.description += " and by a lamp from the left.";
   const Bounds3 box = bounds(scene.mesh);
   const Vec3 middle = center(box);
-  PointLight lamp;
-  lamp.position = middle + Vec3{0.9f, 0.8f, -1.1f} * static_cast<float>(size_mm);
-  lamp.intensity = Rgb{1, 0.93f, 0.82f} * static_cast<float>(4 * size_mm * size_mm);
-  scene.lights = {studio, lamp};
+  DirectionalLight lamp;
+  lamp.direction = normalize(Vec3{-0.7f, 0.9f, 0.8f});
+  lamp.irradiance = {1.0f, 0.93f, 0.82f};
+  scene.lights = {sky, lamp};
   scene.camera.target = middle;
   scene.camera.position = middle + Vec3{0.25f, 0.3f, 1} * static_cast<float>(1.75 * size_mm);
   scene.background = {0.03f, 0.03f, 0.035f};
