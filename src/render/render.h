@@ -31,11 +31,11 @@ enum class Shading { pixel, vertex };
 struct RenderParams {
   GatherMethod method = GatherMethod::tree;
   Shading shading = Shading::pixel;
-  int samples = 200000;    // irradiance samples on the surface
-  int rays = 128;          // per sample and environment light
-  int antialias = 3;       // n x n rays per pixel
+  int samples = 200000;     // irradiance samples on the surface
+  int rays = 128;           // per sample and environment light
+  int antialias = 3;        // n x n rays per pixel
   double quality = 0.0005;  // TreeGatherParams
-  double tolerance = 0;    // TreeGatherParams
+  double tolerance = 0;     // TreeGatherParams
   std::uint64_t seed = 1;
 };
 ParamList describe(RenderParams& params);
