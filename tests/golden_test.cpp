@@ -105,5 +105,24 @@ TEST(golden, banded_fin_from_a_profile_map_and_from_its_table) {
   expect_golden(render(scene, golden_params()).image, "render-fin-table");
 }
 
+TEST(golden, slab_lit_from_behind_by_brute_force) {
+  Scene scene = make_golden_scene("slab", Material(make_bands()));
+  const Vec3 middle = center(bounds(scene.mesh));
+  scene.camera.position = middle + Vec3{0, 60, 15};
+  scene.camera.target = middle;
+  scene.lights = {PointLight{.position = middle - Vec3{8, 25, 0}, .intensity = {2000, 1900, 1700}}};
+  RenderParams params = golden_params();
+  params.method = GatherMethod::brute;
+  expect_golden(render(scene, params).image, "render-slab");
+}
+
+TEST(golden, sphere_shaded_at_its_vertices) {
+  Scene scene = make_golden_scene("sphere", Material(make_jade()));
+  scene.lights = {DirectionalLight{.direction = normalize(Vec3{-1, 1, 0.3f})}};
+  RenderParams params = golden_params();
+  params.shading = Shading::vertex;
+  expect_golden(render(scene, params).image, "render-sphere");
+}
+
 }  // namespace
 }  // namespace parian

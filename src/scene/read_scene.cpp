@@ -190,7 +190,7 @@ void read_background(const Document& node, Scene& scene) {
 
 Scene read_scene(const Document& document, const SceneLoaders& loaders) {
   check_keys(document, {"$schema", "description", "mesh", "material", "mapping", "specular",
-                        "camera", "lights", "exposure", "background"});
+                        "camera", "lights", "exposure", "background", "output"});
   Scene scene;
   if (const Document* text = find(document, "description")) as_string(*text);
   // Small parts first, so that their mistakes are found before large files are read.
@@ -198,6 +198,7 @@ Scene read_scene(const Document& document, const SceneLoaders& loaders) {
   if (const Document* node = find(document, "specular"))
     read_params(*node, describe(scene.specular));
   if (const Document* node = find(document, "exposure")) scene.exposure = as_number(*node, -30, 30);
+  if (const Document* node = find(document, "output")) scene.output = as_string(*node);
   const Document& material = get(document, "material");
   read_mesh(get(document, "mesh"), loaders, scene);
   read_camera(find(document, "camera"), scene);

@@ -130,6 +130,7 @@ TEST(ReadScene, EveryKey) {
                      {"rotation_deg", 45},
                      {"scale", 3}})})},
        {"exposure", -1.5},
+       {"output", "picture.exr"},
        {"background", "environment"}}));
   // A quarter turn about z takes the longest side from x to y.
   EXPECT_NEAR(extent(bounds(scene.mesh)).y, 4, 1e-5);
@@ -159,6 +160,7 @@ TEST(ReadScene, EveryKey) {
   EXPECT_EQ(at(environment.image, 3, 1, 2), 0.5f);
   EXPECT_EQ(environment.rotation_deg, 45);
   EXPECT_EQ(scene.exposure, -1.5);
+  EXPECT_EQ(scene.output, "picture.exr");
   EXPECT_TRUE(scene.show_environment);
   EXPECT_TRUE(scene.warnings.empty());
 }

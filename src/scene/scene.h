@@ -84,6 +84,7 @@ struct Scene {
   Camera camera;
   std::vector<Light> lights;
   double exposure = 0;            // stops
+  std::string output;             // picture to write, as the description has it; may be empty
   bool show_environment = false;  // behind the object; otherwise `background`
   Rgb background{0, 0, 0};
   std::vector<std::string> warnings;  // of reading: one line each

@@ -132,6 +132,17 @@ class Render(program.ProgramTest):
         for a, b in zip(self.mean("a.exr"), self.mean("b.exr")):
             self.assertAlmostEqual(b / a, 4, delta=1e-4)
 
+    def test_output_of_the_scene(self):
+        (self.folder / "scenes").mkdir()
+        self.write_json("scenes/a.json", scene(output="a.exr"))
+        self.succeed("render", "scenes/a.json", *QUICK)
+        self.succeed("render", "scene.json", "-o", "b.exr", *QUICK)
+        self.assertEqual(self.read_bytes("scenes/a.exr"), self.read_bytes("b.exr"))
+        status, _, errors = self.run_program("render", "scene.json", *QUICK)
+        self.assertEqual(status, 2)
+        self.assertIn("--output: expected an image to write, here or as the scene's 'output', "
+                      "found neither", errors)
+
     def test_mesh_from_a_file(self):
         (self.folder / "tetrahedron.ply").write_text(PLY)
         self.write_json("scene.json", scene(mesh={"file": "tetrahedron.ply", "size_mm": 20}))

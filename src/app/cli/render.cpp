@@ -102,11 +102,22 @@ std::string summarise(const RenderOptions& options, const Scene& scene,
                     report.shading_s, report.total_s);
 }
 
-void render_file(const RenderOptions& options, const Context& context) {
-  check_picture_name(options.output);
-  check_output(options.output, {options.scene});
+// A name on the command line is checked before the scene is read, which may take seconds.
+void render_file(RenderOptions options, const Context& context) {
+  if (!options.output.empty()) {
+    check_picture_name(options.output);
+    check_output(options.output, {options.scene});
+  }
   check_figures(context);
   const LoadedScene loaded = load_scene(options.scene);
+  if (options.output.empty()) {
+    if (loaded.scene.output.empty())
+      throw Error({{}, "--output", "an image to write, here or as the scene's 'output'", "neither"},
+                  ErrorKind::usage);
+    options.output =
+        (std::filesystem::path(options.scene).parent_path() / loaded.scene.output).string();
+    check_picture_name(options.output);
+  }
   check_output(options.output, loaded.files);
   print_warnings(loaded.scene.warnings, context);
   const RenderResult result = render(loaded.scene, options.params, context.progress);
@@ -125,8 +136,8 @@ CommandSpec make_render_command() {
   command.summary = "show a material on a mesh under light";
   command.example = "parian render examples/scenes/knot-marble.json -o knot.png --quality 0.01";
   command.positionals = {{"SCENE.json", "scene description", &options->scene}};
-  command.flags = {{"output", 'o', "IMAGE", "image to write: .png, .exr or .hdr", &options->output,
-                    /*required=*/true}};
+  command.flags = {{"output", 'o', "IMAGE",
+                    "image to write: .png, .exr or .hdr; default: the scene's", &options->output}};
   command.params = describe(options->params);
   command.has_figures = true;
   command.run = [options](const Context& context) { render_file(*options, context); };
