@@ -106,11 +106,12 @@ TEST(golden, banded_fin_from_a_profile_map_and_from_its_table) {
 }
 
 TEST(golden, slab_lit_from_behind_by_brute_force) {
-  Scene scene = make_golden_scene("slab", Material(make_bands()));
+  const Dipole wax = {{{0.002, 1.0}, {0.01, 0.9}, {0.05, 0.8}}, 1.4};
+  Scene scene = make_golden_scene("slab", Material(wax));
   const Vec3 middle = center(bounds(scene.mesh));
-  scene.camera.position = middle + Vec3{0, 60, 15};
+  scene.camera.position = middle + Vec3{20, 15, 60};
   scene.camera.target = middle;
-  scene.lights = {PointLight{.position = middle - Vec3{8, 25, 0}, .intensity = {2000, 1900, 1700}}};
+  scene.lights = {PointLight{.position = middle - Vec3{5, 0, 25}, .intensity = {2000, 1900, 1700}}};
   RenderParams params = golden_params();
   params.method = GatherMethod::brute;
   expect_golden(render(scene, params).image, "render-slab");
