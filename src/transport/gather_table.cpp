@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 
 #include "base/check.h"
@@ -144,7 +145,7 @@ std::vector<double> near_weights(const ExpandedTable& table, double pitch, doubl
 struct TargetSums {
   Rgb far;                // sum R (1 - w) flux, and R flux of the other side
   Rgb near_s, near_w;     // S, W
-  Rgb near_i;             // I
+  Rgb near_i, near_q;     // I, and about int (P_o w)^2 dA
   Rgb mean_flux;          // sum w flux
   float mean_weight = 0;  // sum w
 };
@@ -193,18 +194,25 @@ void look_up(const WindowFrame& frame, const Positions& at, Scratch& scratch) {
                  scratch.squares.data());
 }
 
-// I of a target's window.
-Rgb integrate_near(const TableGather& gather, const float* window) {
-  double sum[3] = {0, 0, 0};
+// I of a target's window, and the integral of the values squared.
+void integrate_near(const TableGather& gather, const float* window, TargetSums& sums) {
+  double sum[3] = {0, 0, 0}, square[3] = {0, 0, 0};
   for (std::size_t s = 0; s < gather.near_weight.size(); ++s) {
     if (gather.near_weight[s] <= 0) continue;
     const float* slot = window + s * gather.leaving.slot_floats;
     for (std::size_t c = 0; c < 3; ++c) {
       const float weight = gather.leaving.has_missing() ? slot[4 + c] : 1.0f;
-      if (weight > 0) sum[c] += gather.near_weight[s] * static_cast<double>(slot[c] / weight);
+      if (!(weight > 0)) continue;
+      const auto value = static_cast<double>(slot[c] / weight);
+      sum[c] += gather.near_weight[s] * value;
+      square[c] += gather.near_weight[s] * value * value;
     }
   }
-  return {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
+  const auto to_rgb = [](const double* v) {
+    return Rgb{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+  };
+  sums.near_i = to_rgb(sum);
+  sums.near_q = to_rgb(square);
 }
 
 // The target's end: its window at all sources of the block.
@@ -212,7 +220,7 @@ void add_targets_end(const TableGather& gather, const TableGatherPoint& target,
                      const std::vector<std::uint32_t>& found, const Positions& at, Scratch& scratch,
                      TargetSums& sums) {
   const WindowFrame frame = make_frame(gather, target, gather.leaving, scratch.window.data());
-  sums.near_i = integrate_near(gather, scratch.window.data());
+  integrate_near(gather, scratch.window.data(), sums);
   look_up(frame, at, scratch);
   const auto area = static_cast<float>(gather.sources.area_mm2);
   for (std::size_t n = 0; n < found.size(); ++n) {
@@ -251,11 +259,18 @@ void add_sources_end(const TableGather& gather, std::size_t source,
   }
 }
 
+// I / W, limited as in gather.h by n = I^2 / (area int P_o^2 w^2 dA).
+float near_scale(float w, float i, float q, float area) {
+  const float others = i * i / (q * area) - 1;
+  const float limit = others > 0 ? 1 + 2 / others : std::numeric_limits<float>::max();
+  return std::clamp(i / w, 1 / limit, limit);
+}
+
 // Both ends count half. The near term of one channel; see the header.
-float combine(float far, float s, float w, float i, float flux, float weight, float area) {
+float combine(float far, float s, float w, float i, float q, float flux, float weight, float area) {
   float near = 0;
   if (w > 0.05f * i && w > 0) {
-    near = 0.5f * s * i / w;
+    near = 0.5f * s * near_scale(w, i, q, area);
   } else if (weight > 0) {
     near = i * flux / (weight * area);
   }
@@ -284,8 +299,8 @@ void gather_block(const TableGather& gather, const std::vector<std::uint32_t>& b
   for (std::size_t n = 0; n < block.size(); ++n) {
     const TargetSums& t = sums[n];
     const auto channel = [&](float Rgb::*c) {
-      return combine(t.far.*c, t.near_s.*c, t.near_w.*c, t.near_i.*c, t.mean_flux.*c, t.mean_weight,
-                     area);
+      return combine(t.far.*c, t.near_s.*c, t.near_w.*c, t.near_i.*c, t.near_q.*c, t.mean_flux.*c,
+                     t.mean_weight, area);
     };
     exitance[block[n]] = {channel(&Rgb::x), channel(&Rgb::y), channel(&Rgb::z)};
   }
