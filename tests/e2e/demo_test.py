@@ -23,10 +23,11 @@ class Demo(program.ProgramTest):
         links = Links()
         links.feed(page)
         self.assertEqual(len(links.pictures), len(set(links.pictures)))
-        self.assertEqual(len(links.pictures), 2 * (9 + 3 + 1))
+        self.assertEqual(len(links.pictures), 2 * (9 + 3 + 1) + 4)
         for name in links.pictures:
             self.assertEqual(self.read_bytes(f"out/demo/{name}")[:4], b"\x89PNG", name)
         self.assertIn("simulated, not measured", page)
+        self.assertIn("was not fetched", page)  # the shape that stands in for the dragon
         for name in ("chessboard", "stone"):
             report = self.read_json(f"out/demo/{name}-errors.json")
             self.assertIn(f"{100 * report['relative_error']['mean']:.2f} %", page)
