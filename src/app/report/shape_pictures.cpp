@@ -12,6 +12,7 @@
 #include "io/mesh/mesh_file.h"
 #include "mesh/shapes.h"
 #include "render/render.h"
+#include "scene/camera.h"
 #include "scene/environment.h"
 
 namespace parian {
@@ -58,14 +59,12 @@ Setting make_setting(const std::string& assets) {
     setting.description += fmt::format(", {} mm long, lit by a built-in sky", size_mm);
   }
   setting.description += " and by a lamp from the left.";
-  const Bounds3 box = bounds(scene.mesh);
-  const Vec3 middle = center(box);
   DirectionalLight lamp;
   lamp.direction = normalize(Vec3{-0.7f, 0.9f, 0.8f});
   lamp.irradiance = {1.0f, 0.93f, 0.82f};
   scene.lights = {sky, lamp};
-  scene.camera.target = middle;
-  scene.camera.position = middle + Vec3{0.25f, 0.3f, 1} * static_cast<float>(1.75 * size_mm);
+  scene.camera.target = center(bounds(scene.mesh));
+  frame_box(scene.camera, bounds(scene.mesh));
   scene.background = {0.03f, 0.03f, 0.035f};
   return setting;
 }
