@@ -131,6 +131,7 @@ class Walk {
 std::vector<std::uint32_t> emitters_of(const MomentSources& sources,
                                        const std::vector<std::uint32_t>& nodes) {
   std::vector<std::uint32_t> ids;
+  ids.reserve(nodes.size());
   for (std::uint32_t node : nodes) ids.push_back(emitter_of(sources, node));
   return ids;
 }

@@ -18,10 +18,10 @@ inline constexpr int lanes = 8;
 struct TargetBlock {
   int count = 0;
   std::array<std::uint32_t, lanes> index{};  // into the targets
-  alignas(64) float x[lanes], y[lanes], z[lanes];
+  float x[lanes], y[lanes], z[lanes];
   std::array<Vec3, lanes> normal;
-  AlignedVector<float> half_log;        // [knot][channel][lane]
-  alignas(64) float support[3][lanes];  // mm
+  AlignedVector<float> half_log;  // [knot][channel][lane]
+  float support[3][lanes];        // mm
   Bounds3 box;
   float max_support = 0;
 };
