@@ -110,7 +110,7 @@ Problem make_problem(int samples) {
   problem.field = make_profile_field(make_stone());
   problem.mesh = make_mesh("dragon-100250.ply", 2);
   problem.sources = make_sources(problem.mesh, problem.field, samples, 32);
-  problem.near_mm = default_near_mm(problem.sources);
+  problem.near_mm = default_near_mm(problem.sources.area_mm2);
   for (std::size_t v = 0; v < problem.mesh.positions.size(); ++v) {
     SurfacePoint point;
     point.position = problem.mesh.positions[v];
@@ -242,7 +242,7 @@ void bench_scaling() {
     const double start = now();
     const MomentTree tree(problem.field, sources);
     const double build = now() - start;
-    const double near_mm = default_near_mm(sources);
+    const double near_mm = default_near_mm(sources.area_mm2);
     TreeGatherParams params;
     params.certify_every = 0;
     TreeGatherResult result;
@@ -261,7 +261,8 @@ void bench_scaling() {
       some.push_back(problem.vertices[i]);
     TreeGatherParams params;
     params.certify_every = 0;
-    const double seconds = time_of([&] { tree.gather(some, default_near_mm(sources), params); });
+    const double seconds =
+        time_of([&] { tree.gather(some, default_near_mm(sources.area_mm2), params); });
     fmt::print("{:>9} {:>9} {:>10} {:>12.1f}\n", 200000, some.size(), "",
                1e6 * seconds / static_cast<double>(some.size()));
     std::fflush(stdout);

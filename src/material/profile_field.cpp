@@ -55,22 +55,6 @@ std::vector<float> make_graded_knots(double first, double last, int count) {
   return knots;
 }
 
-struct Extremes {
-  double smallest_dilation = 1, largest_support = 0;
-};
-
-Extremes find_extremes(const ProfileMap& map) {
-  Extremes found;
-  for (float dilation : map.dilation)
-    found.smallest_dilation = std::min(found.smallest_dilation, static_cast<double>(dilation));
-  for (int c = 0; c < map.channels; ++c)
-    for (int y = 0; y < map.height; ++y)
-      for (int x = 0; x < map.width; ++x)
-        found.largest_support =
-            std::max(found.largest_support, get_profile(map, c, x, y).support_mm);
-  return found;
-}
-
 bool falls_everywhere(const Rows& rows, std::size_t row) {
   for (std::size_t i = 0; i + 3 < rows.half_log.size(); ++i)
     if (i % row + 3 < row && rows.half_log[i + 3] > rows.half_log[i]) return false;
@@ -98,21 +82,22 @@ void eval_rows(const Rows& rows, int width, int height, std::size_t row, double 
   }
 }
 
-ProfileField make_field(const ProfileMap& map) {
-  const Extremes extremes = find_extremes(map);
+ProfileField make_field(const ProfileMap& map, double support) {
   ProfileField field;
   field.width = map.width;
   field.height = map.height;
   field.pixel_pitch_mm = map.pixel_pitch_mm;
   field.boundary = map.boundary;
   field.eta = map.eta;
-  field.max_support_mm = static_cast<float>(extremes.largest_support);
+  field.max_support_mm = static_cast<float>(support);
+  double smallest_dilation = 1;
+  for (float dilation : map.dilation)
+    smallest_dilation = std::min(smallest_dilation, static_cast<double>(dilation));
   // A kink of ln P between two new knots is cut off by at most its change of slope times a quarter
   // of their distance, so dilated maps get steps that are short where profiles bend most.
-  field.knots_mm = map.dilation.empty()
-                       ? extend_knots(map.knots_mm, extremes.largest_support)
-                       : make_graded_knots(map.knots_mm[1] * extremes.smallest_dilation / 4,
-                                           extremes.largest_support * (1 + 1e-6), resampled_knots);
+  field.knots_mm = map.dilation.empty() ? extend_knots(map.knots_mm, support)
+                                        : make_graded_knots(map.knots_mm[1] * smallest_dilation / 4,
+                                                            support * (1 + 1e-6), resampled_knots);
   const auto rows = std::make_shared<Rows>();
   rows->half_log.resize(map.pixels() * field.row());
   rows->support.resize(map.pixels() * 3);
@@ -130,8 +115,8 @@ ProfileField make_field(const ProfileMap& map) {
       }
   field.monotone = falls_everywhere(*rows, field.row());
   field.eval = [rows, width = map.width, height = map.height, row = field.row()](
-                   double x, double y, float* half_log, float* support) {
-    eval_rows(*rows, width, height, row, x, y, half_log, support);
+                   double x, double y, float* half_log, float* supports) {
+    eval_rows(*rows, width, height, row, x, y, half_log, supports);
   };
   return field;
 }
@@ -167,12 +152,11 @@ std::vector<float> place_knots(const Dipole& dipole, double support) {
   return knots;
 }
 
-ProfileField make_field(const Dipole& dipole) {
+ProfileField make_field(const Dipole& dipole, double support) {
   ProfileField field;
   field.eta = dipole.eta;
-  const Material material = dipole;
-  field.max_support_mm = static_cast<float>(support_mm(material));
-  field.knots_mm = place_knots(dipole, support_mm(material));
+  field.max_support_mm = static_cast<float>(support);
+  field.knots_mm = place_knots(dipole, support);
   const auto rows = std::make_shared<Rows>();
   rows->half_log.resize(field.row());
   for (std::size_t c = 0; c < 3; ++c) {
@@ -184,9 +168,9 @@ ProfileField make_field(const Dipole& dipole) {
     rows->support.push_back(static_cast<float>(support_mm(single)));
   }
   field.monotone = falls_everywhere(*rows, field.row());
-  field.eval = [rows](double, double, float* half_log, float* support) {
+  field.eval = [rows](double, double, float* half_log, float* supports) {
     std::copy(rows->half_log.begin(), rows->half_log.end(), half_log);
-    std::copy(rows->support.begin(), rows->support.end(), support);
+    std::copy(rows->support.begin(), rows->support.end(), supports);
   };
   return field;
 }
@@ -194,7 +178,8 @@ ProfileField make_field(const Dipole& dipole) {
 }  // namespace
 
 ProfileField make_profile_field(const Material& material) {
-  return std::visit([](const auto& model) { return make_field(model); }, material);
+  const double support = support_mm(material);
+  return std::visit([&](const auto& model) { return make_field(model, support); }, material);
 }
 
 }  // namespace parian

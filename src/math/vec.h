@@ -128,6 +128,14 @@ inline Vec3 extent(const Bounds3& box) {
 inline Vec3 center(const Bounds3& box) {
   return (box.lower + box.upper) * 0.5f;
 }
+// 0, 1 or 2 for x, y or z.
+constexpr float component(Vec3 a, int axis) {
+  return axis == 0 ? a.x : axis == 1 ? a.y : a.z;
+}
+inline int longest_axis(const Bounds3& box) {
+  const Vec3 size = extent(box);
+  return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
 inline float diagonal(const Bounds3& box) {
   return length(extent(box));
 }

@@ -31,10 +31,6 @@ struct Rows {
   std::vector<std::uint32_t> begin;  // [count_up * count_across + 1]
 };
 
-float component(Vec3 v, int axis) {
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 Rows make_rows(const std::vector<Candidate>& candidates, float radius) {
   Bounds3 box;
   for (const Candidate& c : candidates) extend(box, c.position);

@@ -89,7 +89,7 @@ std::vector<Rgb> gather(const GatherWork& work, const Material& material, std::v
   sources.flux = std::move(flux);
   sources.area_mm2 = work.samples.area_mm2;
   const auto targets = work.map_targets<GatherPoint>(grid, to_gather_point);
-  const double near_mm = default_near_mm(sources);
+  const double near_mm = default_near_mm(sources.area_mm2);
   if (work.params.method == GatherMethod::brute) {
     work.report.gather = "brute";
     std::vector<Rgb> exitance = gather_brute(field, sources, targets, near_mm, work.progress);
@@ -117,11 +117,9 @@ std::vector<Rgb> gather(const GatherWork& work, const BssrdfTable& table, std::v
   sources.flux = std::move(flux);
   sources.area_mm2 = work.samples.area_mm2;
   const auto targets = work.map_targets<TableGatherPoint>(grid, to_table_point);
-  GatherSources for_near;
-  for_near.area_mm2 = sources.area_mm2;
   work.report.gather = "table";
   std::vector<Rgb> exitance =
-      gather_table(table, sources, targets, default_near_mm(for_near), work.progress);
+      gather_table(table, sources, targets, default_near_mm(sources.area_mm2), work.progress);
   work.report.gather_s = watch.lap();
   return exitance;
 }

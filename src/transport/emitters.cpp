@@ -15,9 +15,8 @@ EmitterView view(const Emitters& emitters) {
   for (std::size_t c = 0; c < 3; ++c) {
     result.log_flux[c] = emitters.log_flux[c].data();
     result.support[c] = emitters.support[c].data();
-    result.edge[c] = emitters.edge[c].data();
-    result.edge_width[c] = emitters.edge_width[c].data();
   }
+  result.edge_width = emitters.edge_width.data();
   result.spread = emitters.spread.data();
   result.row = emitters.row.data();
   result.rows = emitters.rows.data();
@@ -30,9 +29,8 @@ void resize(Emitters& emitters, std::size_t count) {
     emitters.position[c].resize(count);
     emitters.log_flux[c].resize(count);
     emitters.support[c].resize(count);
-    emitters.edge[c].resize(count);
-    emitters.edge_width[c].resize(count, 0.0f);
   }
+  emitters.edge_width.resize(count);
   emitters.spread.resize(count);
   emitters.row.resize(count);
 }
@@ -57,7 +55,7 @@ void set_samples(Emitters& emitters, const ProfileField& field, const GatherSour
       for (std::size_t c = 0; c < 3; ++c) {
         emitters.position[c][i] = position[c];
         emitters.log_flux[c][i] = power[c] > 0 ? std::log(power[c]) : log_of_nothing;
-        emitters.support[c][i] = emitters.edge[c][i] = support[c];
+        emitters.support[c][i] = support[c];
       }
     }
   });

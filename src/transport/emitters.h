@@ -25,9 +25,9 @@ struct Emitters {
   std::array<std::vector<float>, 3> position;  // x, y, z in mm
   std::array<std::vector<float>, 3> log_flux;  // per channel
   std::array<std::vector<float>, 3> support;   // per channel, mm; a node's largest
-  // A node ends gradually, as its samples do one after another: half of it is left at `edge`, over
-  // a distance of `edge_width`. Samples: their support, and 0.
-  std::array<std::vector<float>, 3> edge, edge_width;
+  // A node ends gradually, as its samples do one after another: half of it is left at its support,
+  // over this distance in mm. 0 for samples.
+  std::vector<float> edge_width;
   std::vector<float> spread;  // a quarter of a node's mean squared extent in mm^2, 0 for samples
   std::vector<std::uint32_t> row;  // index of its row in `rows`
   AlignedVector<float> rows;       // [row][knot][channel]
@@ -42,8 +42,7 @@ struct EmitterView {
   const float* z;
   const float* log_flux[3];
   const float* support[3];
-  const float* edge[3];
-  const float* edge_width[3];
+  const float* edge_width;
   const float* spread;
   const std::uint32_t* row;
   const float* rows;

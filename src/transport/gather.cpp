@@ -31,8 +31,8 @@ void list_in_range(const SourceTree& tree, const TargetBlock& block, double near
 
 }  // namespace
 
-double default_near_mm(const GatherSources& sources) {
-  return 3.5 * std::sqrt(sources.area_mm2);
+double default_near_mm(double area_mm2) {
+  return 3.5 * std::sqrt(area_mm2);
 }
 
 std::vector<Rgb> gather_brute(const ProfileField& field, const GatherSources& sources,

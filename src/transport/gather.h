@@ -39,7 +39,7 @@ struct GatherSources {
 };
 
 // How the near term is set: near_mm for sources of this area.
-double default_near_mm(const GatherSources& sources);
+double default_near_mm(double area_mm2);
 
 // For each target the exitance in W/mm^2 (flux in W), range-limited and vectorised. The same bits
 // for any number of threads.

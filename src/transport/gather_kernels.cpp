@@ -100,7 +100,7 @@ PARIAN_HOT void eval_logs(const EmitterView& emitters, const KnotView& lookup,
                          3 * segments.first);
     Lanes distance, result[3] = {};
     load(r + i * lanes, distance);
-    const float spread = order * emitters.spread[id];
+    const float spread = order * emitters.spread[id], width = order * emitters.edge_width[id];
     const Lanes curvature = spread / (distance + 1e-6f);
     for (std::int32_t k = segments.first; k <= segments.last; ++k) {
       const float inverse = lookup.inverse_step[k];
@@ -121,14 +121,13 @@ PARIAN_HOT void eval_logs(const EmitterView& emitters, const KnotView& lookup,
     for (std::size_t c = 0; c < 3; ++c) {
       const Lanes value = result[c] + emitters.log_flux[c][id];
       float* to = out + (i * 3 + c) * lanes;
-      const float width = order * emitters.edge_width[c][id];
+      const float edge = emitters.support[c][id];
       if (width > 0) {
-        const float edge = emitters.edge[c][id];
         store(value, to);
         if (segments.farthest + 0.5f * width > std::min(edge, least_limit[c]))
           fade_out(r + i * lanes, block.support + c * lanes, edge, width, to);
       } else {
-        const auto cut = (distance > emitters.support[c][id]) | (distance > limit[c]);
+        const auto cut = (distance > edge) | (distance > limit[c]);
         store(cut ? nothing : value, to);
       }
     }

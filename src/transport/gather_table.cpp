@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 
 #include "base/check.h"
 #include "base/parallel.h"
+#include "transport/near_term.h"
 #include "transport/table_window_internal.h"
 
 namespace parian {
@@ -259,18 +259,11 @@ void add_sources_end(const TableGather& gather, std::size_t source,
   }
 }
 
-// I / W, limited as in gather.h by n = I^2 / (area int P_o^2 w^2 dA).
-float near_scale(float w, float i, float q, float area) {
-  const float others = i * i / (q * area) - 1;
-  const float limit = others > 0 ? 1 + 2 / others : std::numeric_limits<float>::max();
-  return std::clamp(i / w, 1 / limit, limit);
-}
-
 // Both ends count half. The near term of one channel; see the header.
 float combine(float far, float s, float w, float i, float q, float flux, float weight, float area) {
   float near = 0;
   if (w > 0.05f * i && w > 0) {
-    near = 0.5f * s * near_scale(w, i, q, area);
+    near = 0.5f * s * static_cast<float>(near_scale(w, i, q, area));
   } else if (weight > 0) {
     near = i * flux / (weight * area);
   }

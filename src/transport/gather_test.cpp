@@ -70,7 +70,7 @@ TEST(GatherBrute, PlaneFurnace) {
     const GatherSources plane = make_plane(24, 96);  // a spacing of 0.5 mm
     const std::vector<GatherPoint> targets = make_plane_targets(64, 4);
     const std::vector<Rgb> exitance =
-        gather_brute(make_profile_field(map), plane, targets, default_near_mm(plane));
+        gather_brute(make_profile_field(map), plane, targets, default_near_mm(plane.area_mm2));
     double mean = 0;
     for (const Rgb& value : exitance) {
       EXPECT_NEAR(static_cast<double>(value.y) / albedo, 1, 0.1) << slope;
@@ -86,7 +86,7 @@ TEST(GatherBrute, ZeroRadiusIsLambertian) {
   const double albedo = diffuse_albedo(get_profile(map, 0, 0, 0));
   const GatherSources plane = make_plane(10, 20);
   for (const Rgb& value : gather_brute(make_profile_field(map), plane, make_plane_targets(50, 8),
-                                       default_near_mm(plane)))
+                                       default_near_mm(plane.area_mm2)))
     EXPECT_NEAR(static_cast<double>(value.x) / albedo, 1, 1e-3);
 }
 
@@ -99,7 +99,8 @@ TEST(GatherBrute, NearTermLeavesTheOtherSideAlone) {
     point.normal = {0, -1, 0};
   }
   const std::vector<GatherPoint> targets = make_plane_targets(20, 2);
-  const std::vector<Rgb> with = gather_brute(field, plane, targets, default_near_mm(plane));
+  const std::vector<Rgb> with =
+      gather_brute(field, plane, targets, default_near_mm(plane.area_mm2));
   const std::vector<Rgb> without = gather_brute(field, plane, targets, 0);
   for (std::size_t i = 0; i < targets.size(); ++i)
     EXPECT_LT(relative_difference(with[i], without[i]), 1e-5);
@@ -131,7 +132,7 @@ TEST(GatherBrute, IsLinearInLight) {
     both.flux[i] = a.flux[i] * 2 + b.flux[i];
   }
   const std::vector<GatherPoint> targets = make_sphere_points(40, 4, 1);
-  const double near = default_near_mm(a);
+  const double near = default_near_mm(a.area_mm2);
   const std::vector<Rgb> Ma = gather_brute(field, a, targets, near);
   const std::vector<Rgb> Mb = gather_brute(field, b, targets, near);
   const std::vector<Rgb> M = gather_brute(field, both, targets, near);

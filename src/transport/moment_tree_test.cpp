@@ -21,7 +21,7 @@ Setting make_setting(double steepness = 1) {
   setting.field = make_profile_field(make_checker(steepness));
   setting.sources = make_sphere_sources(6000, 8);
   setting.targets = make_sphere_points(500, 8, 0.37);
-  setting.near_mm = default_near_mm(setting.sources);
+  setting.near_mm = default_near_mm(setting.sources.area_mm2);
   setting.brute = gather_brute(setting.field, setting.sources, setting.targets, setting.near_mm);
   return setting;
 }
@@ -126,7 +126,7 @@ TEST(MomentTree, IsInvariant) {
   GatherSources sources = make_sphere_sources(6000, 80);
   const std::vector<GatherPoint> targets = make_sphere_points(500, 80, 0.37);
   const std::vector<Rgb> scaled = MomentTree(make_profile_field(map), sources)
-                                      .gather(targets, default_near_mm(sources), params)
+                                      .gather(targets, default_near_mm(sources.area_mm2), params)
                                       .exitance;
   for (std::size_t i = 0; i < plain.size(); ++i) {
     EXPECT_LT(relative_difference(rotated[i], plain[i]), 0.01);

@@ -149,12 +149,11 @@ class NodeBuilder {
     emitters.position[0][id] = static_cast<float>(x);
     emitters.position[1][id] = static_cast<float>(y);
     emitters.position[2][id] = static_cast<float>(z);
+    // The extent along the line of sight as a uniform distribution.
+    emitters.edge_width[id] = shape.spread_mm * std::sqrt(6.0f);
     emitters.spread[id] = 0.25f * shape.spread_mm * shape.spread_mm;
     for (std::size_t c = 0; c < 3; ++c) {
       emitters.support[c][id] = shape.max_support[c];
-      emitters.edge[c][id] = shape.max_support[c];
-      // The extent along the line of sight as a uniform distribution.
-      emitters.edge_width[c][id] = shape.spread_mm * std::sqrt(6.0f);
       emitters.log_flux[c][id] = has_rows_ ? 0 : log_or_nothing(sums.flux[c]);
     }
     emitters.row[id] = has_rows_ ? static_cast<std::uint32_t>(samples_ + 2 * index) : 0;

@@ -11,10 +11,6 @@ namespace parian {
 namespace {
 
 constexpr std::size_t block_values = 3 * lanes;
-// How far W may be scaled: by 1 + this / (n - 1), n = I^2 / (area int P_o^2 w^2 dA) being the
-// number of samples that carry the integral. Many samples miss it by little; what they miss by more
-// is no noise but a surface that is no plane.
-constexpr double scale_slack = 2;
 // Part of I that is spread evenly over the near samples whatever the profile: what is left of the
 // weights when the profile is narrower than the spacing.
 constexpr double even_part = 1e-3;
@@ -75,14 +71,18 @@ void finish_near(const NearSums& near, const NearIntegrals& integrals, double ne
     const double even = even_part * integral / disc;
     const double weight = near.weight[j] + even * near.area[j % lanes];
     if (!(weight > 0)) continue;
-    const double others = integral * integral / (integrals.square[j] * area_mm2) - 1;
-    const double limit = others > 0 ? 1 + scale_slack / others : 1e300;
-    const double scale = std::clamp(integral / weight, 1 / limit, limit);
+    const double scale = near_scale(weight, integral, integrals.square[j], area_mm2);
     sum[j] += scale * (near.scattered[j] + even * near.even[j]);
   }
 }
 
 }  // namespace
+
+double near_scale(double weight, double integral, double square, double area_mm2) {
+  const double others = integral * integral / (square * area_mm2) - 1;
+  const double limit = others > 0 ? 1 + 2 / others : 1e300;
+  return std::clamp(integral / weight, 1 / limit, limit);
+}
 
 NearIntegrals integrate_near(const TargetBlock& block, const std::vector<float>& knots,
                              double near_mm) {

@@ -31,4 +31,9 @@ void add_near(const EmitterView& emitters, const KnotView& lookup, const NearSam
               const std::vector<std::uint32_t>& ids, const TargetBlock& block,
               const std::vector<float>& knots, double near_mm, double* sum);
 
+// I / W, at most 1 + 2 / (n - 1) or its inverse, n = I^2 / (area int (P_o w)^2 dA) being the number
+// of samples that carry the integral: many samples miss it by little; what they miss by more is no
+// noise but a surface that is no plane.
+double near_scale(double weight, double integral, double square, double area_mm2);
+
 }  // namespace parian

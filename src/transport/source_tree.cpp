@@ -9,10 +9,6 @@ namespace {
 
 constexpr std::uint32_t leaf_size = 8;
 
-float component(Vec3 v, int axis) {
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 // Makes the node of [begin, end) and those below it; returns its index.
 std::uint32_t build(const GatherSources& sources, SourceTree& tree, std::uint32_t begin,
                     std::uint32_t end) {
@@ -24,8 +20,7 @@ std::uint32_t build(const GatherSources& sources, SourceTree& tree, std::uint32_
     extend(node.box, sources.points[tree.order[i]].position);
   tree.nodes.push_back(node);
   if (end - begin <= leaf_size) return index;
-  const Vec3 size = extent(node.box);
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const int axis = longest_axis(node.box);
   const std::uint32_t middle = begin + (end - begin) / 2;
   std::nth_element(tree.order.begin() + begin, tree.order.begin() + middle,
                    tree.order.begin() + end, [&](std::uint32_t a, std::uint32_t b) {

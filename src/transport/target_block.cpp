@@ -6,18 +6,13 @@
 namespace parian {
 namespace {
 
-float component(Vec3 v, int axis) {
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 // Halves [begin, end) at a multiple of `lanes` until pieces fit into a block.
 void split(const std::vector<GatherPoint>& targets, std::uint32_t* begin, std::uint32_t* end) {
   const auto count = static_cast<std::size_t>(end - begin);
   if (count <= static_cast<std::size_t>(lanes)) return;
   Bounds3 box;
   for (const std::uint32_t* i = begin; i != end; ++i) extend(box, targets[*i].position);
-  const Vec3 size = extent(box);
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const int axis = longest_axis(box);
   const std::size_t blocks = (count + lanes - 1) / lanes;
   std::uint32_t* middle = begin + static_cast<std::ptrdiff_t>(blocks / 2 * lanes);
   std::nth_element(begin, middle, end, [&](std::uint32_t a, std::uint32_t b) {
