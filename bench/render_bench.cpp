@@ -181,6 +181,7 @@ void bench_gather() {
   const MomentTree tree(problem.field, problem.sources);
   const std::vector<std::size_t> picked = pick_patches(problem.vertices);
   std::vector<GatherPoint> some;
+  some.reserve(picked.size());
   for (std::size_t i : picked) some.push_back(problem.vertices[i]);
   std::vector<Rgb> exact;
   const double brute =

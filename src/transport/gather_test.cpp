@@ -19,8 +19,10 @@ GatherSources make_plane(double half, int per_side) {
   for (int i = 0; i < per_side * per_side; ++i) {
     GatherPoint point;
     point.normal = {0, 1, 0};
-    point.position = {static_cast<float>(-half + (i % per_side + sample_uniform(rng)) * step), 0,
-                      static_cast<float>(-half + (i / per_side + sample_uniform(rng)) * step)};
+    const int column = i % per_side;
+    const int row = i / per_side;
+    point.position = {static_cast<float>(-half + (column + sample_uniform(rng)) * step), 0,
+                      static_cast<float>(-half + (row + sample_uniform(rng)) * step)};
     plane.points.push_back(point);
     plane.flux.push_back(Rgb{1, 1, 1} * static_cast<float>(plane.area_mm2));
   }
