@@ -206,7 +206,7 @@ void study_points(Study& study) {
   write_picture(study, "points-profiles", draw_profiles(table, map, windows));
   const Material material = map;
   const std::vector<Image> plots = plot_profiles(
-      *make_slices(table), *make_slices(material, table.header), &map, pixels, channel);
+      *make_slices(table), *make_slices(material, table.header), &material, pixels, channel);
   for (std::size_t i = 0; i < plots.size(); ++i)
     write_picture(study, fmt::format("point-{}", points[i].name[0]), plots[i]);
 

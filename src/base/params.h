@@ -45,6 +45,7 @@ struct Param {
   bool above_min = false;  // true: min itself is not allowed
   std::string symbol;      // as in the paper, may be empty
   std::string unit;        // may be empty
+  char letter = 0;         // short form of the command-line flag, 0: none
 };
 
 using ParamList = std::vector<Param>;

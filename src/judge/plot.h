@@ -8,7 +8,7 @@
 
 #include "base/progress.h"
 #include "image/image.h"
-#include "material/profile_map.h"
+#include "material/material.h"
 #include "material/slices.h"
 
 namespace parian {
@@ -44,10 +44,10 @@ struct PlotPixel {
 // Data against model around each pixel over r, of one channel, on a logarithmic axis: measured
 // values R_d of all pairs in which the pixel takes part as grey dots, the model's values at the
 // same pairs as coloured dots, and the pixel's own profile P(r) as a line where the material has
-// one (`map` may be null). Reads the channel's slices once. Throws Error for a pixel outside the
-// grid.
+// one (`material` may be null). Reads the channel's slices once. Throws Error for a pixel outside
+// the grid.
 std::vector<Image> plot_profiles(const SliceSource& table, const SliceSource& model,
-                                 const ProfileMap* map, const std::vector<PlotPixel>& pixels,
+                                 const Material* material, const std::vector<PlotPixel>& pixels,
                                  int channel, const Progress& progress = {});
 
 }  // namespace parian

@@ -46,8 +46,8 @@ void add_batch(const TableHeader& header, const SliceBatch& batch, PlotPixel pix
   }
 }
 
-PlotSeries make_profile_line(const ProfileMap& map, PlotPixel pixel, int channel, double r_max) {
-  const Profile profile = get_profile(map, channel, pixel.x, pixel.y);
+PlotSeries make_profile_line(const Material& material, PlotPixel pixel, int channel, double r_max) {
+  const Profile profile = get_profile(material, channel, pixel.x, pixel.y);
   PlotSeries line{.label = "profile P(r)", .color = {0.02f, 0.02f, 0.025f}};
   constexpr int steps = 256;
   for (int i = 0; i <= steps; ++i) {
@@ -63,7 +63,7 @@ void drop_below(double floor, PlotSeries& series) {
     if (value < floor) value = 0;
 }
 
-Image plot_pixel(const PixelPairs& pairs, const ProfileMap* map, PlotPixel pixel, int channel,
+Image plot_pixel(const PixelPairs& pairs, const Material* material, PlotPixel pixel, int channel,
                  int channels) {
   constexpr std::array<float, 3> colors[] = {
       {0.75f, 0.04f, 0.02f}, {0.01f, 0.3f, 0.06f}, {0.02f, 0.09f, 0.65f}};
@@ -82,7 +82,8 @@ Image plot_pixel(const PixelPairs& pairs, const ProfileMap* map, PlotPixel pixel
   plot.series.push_back({"table", pairs.r_mm, pairs.data, {0.3f, 0.31f, 0.33f}, true, 5, 0.55});
   plot.series.push_back({"model, same pairs", pairs.r_mm, pairs.model,
                          colors[channels == 3 ? channel : 0], true, 2.4, 1});
-  if (map && r_max > 0) plot.series.push_back(make_profile_line(*map, pixel, channel, r_max));
+  if (material != nullptr && has_profiles(*material) && r_max > 0)
+    plot.series.push_back(make_profile_line(*material, pixel, channel, r_max));
   for (std::size_t i = 1; i < plot.series.size() && std::isfinite(least); ++i)
     drop_below(least / 100, plot.series[i]);
   return draw_plot(plot);
@@ -91,7 +92,7 @@ Image plot_pixel(const PixelPairs& pairs, const ProfileMap* map, PlotPixel pixel
 }  // namespace
 
 std::vector<Image> plot_profiles(const SliceSource& table, const SliceSource& model,
-                                 const ProfileMap* map, const std::vector<PlotPixel>& pixels,
+                                 const Material* material, const std::vector<PlotPixel>& pixels,
                                  int channel, const Progress& progress) {
   const TableHeader& header = table.header();
   PARIAN_CHECK_LE(0, channel);
@@ -110,7 +111,7 @@ std::vector<Image> plot_profiles(const SliceSource& table, const SliceSource& mo
                  });
   std::vector<Image> images;
   for (std::size_t p = 0; p < pixels.size(); ++p)
-    images.push_back(plot_pixel(pairs[p], map, pixels[p], channel, header.channels));
+    images.push_back(plot_pixel(pairs[p], material, pixels[p], channel, header.channels));
   return images;
 }
 

@@ -96,7 +96,7 @@ TEST(PlotProfiles, ShowsDataAndModelOfThePixel) {
   BssrdfTable table = make_table(9, 8, 1, half_disc_offsets(3)), model = table;
   fill_random(table, 1);
   fill_random(model, 2);
-  const ProfileMap map = make_profile_map(9, 8, 1, 1, {0, 1, 3}, -1);
+  const Material map = make_profile_map(9, 8, 1, 1, {0, 1, 3}, -1);
   const auto t = make_slices(table, "t.h5"), m = make_slices(model);
   const auto images = plot_profiles(*t, *m, &map, {{4, 4}, {0, 0}}, 0);
   ASSERT_EQ(images.size(), 2u);

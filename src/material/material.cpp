@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/check.h"
 #include "base/error.h"
 #include "material/bssrdf_table.h"
 
@@ -24,9 +25,11 @@ double dipole_support(const DipoleCoefficients& medium, double eta) {
   return high;
 }
 
-void eval_model_slice(const ProfileMap& map, const TableHeader&, int channel, Offset offset,
+// Profile maps and blends.
+template <typename Grid>
+void eval_model_slice(const Grid& grid, const TableHeader&, int channel, Offset offset,
                       float* slice) {
-  eval_slice(map, channel, offset, slice);
+  eval_slice(grid, channel, offset, slice);
 }
 
 void eval_model_slice(const Dipole& dipole, const TableHeader& header, int channel, Offset offset,
@@ -42,7 +45,8 @@ void eval_model_slice(const Dipole& dipole, const TableHeader& header, int chann
             static_cast<std::size_t>(x)] = static_cast<float>(value);
 }
 
-void check_grid(const ProfileMap& map, const TableHeader& like, const std::string& name) {
+template <typename Grid>
+void check_grid(const Grid& map, const TableHeader& like, const std::string& name) {
   if (map.width != like.width || map.height != like.height || map.channels != like.channels)
     throw Error({name, "grid",
                  fmt::format("{} x {} pixels, {} channels, as the table", like.width, like.height,
@@ -77,14 +81,8 @@ class ModelSource : public SliceSource {
   std::string name_;
 };
 
-Boundary boundary_of(const ProfileMap& map) {
-  return map.boundary;
-}
-Boundary boundary_of(const Dipole&) {
-  return Boundary::excluded;
-}
-
-double support_of(const ProfileMap& map) {
+template <typename Grid>
+double support_of(const Grid& map) {
   double support = 0;
   for (int c = 0; c < map.channels; ++c)
     for (int y = 0; y < map.height; ++y)
@@ -100,10 +98,51 @@ double support_of(const Dipole& dipole) {
   return support;
 }
 
+// All offsets within the support.
+template <typename Grid>
+TableHeader make_header(const Grid& map) {
+  TableHeader header;
+  header.width = map.width;
+  header.height = map.height;
+  header.channels = map.channels;
+  header.pixel_pitch_mm = map.pixel_pitch_mm;
+  const double reach = std::hypot(map.width, map.height);
+  for (Offset offset : half_disc_offsets(std::min(reach, support_of(map) / map.pixel_pitch_mm)))
+    if (std::abs(offset.dx) < map.width && offset.dy < map.height) header.offsets.push_back(offset);
+  return header;
+}
+
 }  // namespace
 
 std::string describe_kind(const Material& material) {
-  return std::holds_alternative<ProfileMap>(material) ? "profile map" : "dipole";
+  if (std::holds_alternative<ProfileMap>(material)) return "profile map";
+  return std::holds_alternative<ProfileBlend>(material) ? "profile blend" : "dipole";
+}
+
+bool has_profiles(const Material& material) {
+  return !std::holds_alternative<Dipole>(material);
+}
+
+Profile get_profile(const Material& material, int channel, int x, int y) {
+  PARIAN_CHECK(has_profiles(material));
+  if (const auto* map = std::get_if<ProfileMap>(&material)) return get_profile(*map, channel, x, y);
+  return get_profile(std::get<ProfileBlend>(material), channel, x, y);
+}
+
+HoldOut hold_out_of(const Material& material) {
+  if (const auto* map = std::get_if<ProfileMap>(&material)) return map->hold_out;
+  const auto* blend = std::get_if<ProfileBlend>(&material);
+  return blend != nullptr ? blend->hold_out : HoldOut{};
+}
+
+Boundary boundary_of(const Material& material) {
+  if (const auto* map = std::get_if<ProfileMap>(&material)) return map->boundary;
+  if (const auto* blend = std::get_if<ProfileBlend>(&material)) return blend->boundary;
+  return Boundary::excluded;
+}
+
+double eta_of(const Material& material) {
+  return std::visit([](const auto& model) { return model.eta; }, material);
 }
 
 double support_mm(const Material& material) {
@@ -111,31 +150,17 @@ double support_mm(const Material& material) {
 }
 
 TableHeader natural_header(const Material& material) {
-  const auto* map = std::get_if<ProfileMap>(&material);
-  if (map == nullptr)
-    throw Error(
-        {.expected = "a material with a grid of its own", .found = "a " + describe_kind(material)});
-  TableHeader header;
-  header.width = map->width;
-  header.height = map->height;
-  header.channels = map->channels;
-  header.pixel_pitch_mm = map->pixel_pitch_mm;
-  const double reach = std::hypot(map->width, map->height);
-  for (Offset offset : half_disc_offsets(std::min(reach, support_of(*map) / map->pixel_pitch_mm)))
-    if (std::abs(offset.dx) < map->width && offset.dy < map->height)
-      header.offsets.push_back(offset);
-  return header;
+  if (const auto* map = std::get_if<ProfileMap>(&material)) return make_header(*map);
+  if (const auto* blend = std::get_if<ProfileBlend>(&material)) return make_header(*blend);
+  throw Error(
+      {.expected = "a material with a grid of its own", .found = "a " + describe_kind(material)});
 }
 
 std::unique_ptr<SliceSource> make_slices(const Material& material, TableHeader like,
                                          std::string name) {
-  std::visit(
-      [&](const auto& model) {
-        check_grid(model, like, name);
-        like.boundary = boundary_of(model);
-        like.eta = model.eta;
-      },
-      material);
+  std::visit([&](const auto& model) { check_grid(model, like, name); }, material);
+  like.boundary = boundary_of(material);
+  like.eta = eta_of(material);
   like.noise_floor.clear();
   like.noise_gain.clear();
   return std::make_unique<ModelSource>(material, std::move(like), std::move(name));

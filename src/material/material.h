@@ -9,15 +9,24 @@
 #include <variant>
 
 #include "material/dipole.h"
+#include "material/profile_blend.h"
 #include "material/profile_map.h"
 #include "material/slices.h"
 
 namespace parian {
 
-using Material = std::variant<ProfileMap, Dipole>;
+using Material = std::variant<ProfileMap, ProfileBlend, Dipole>;
 
-// "profile map", "dipole"
+// "profile map", "profile blend", "dipole"
 std::string describe_kind(const Material& material);
+
+// The profile of a pixel, of materials that have one for each pixel; `has_profiles` says which.
+bool has_profiles(const Material& material);
+Profile get_profile(const Material& material, int channel, int x, int y);
+// Pairs that its fit held out; none for materials without a fit.
+HoldOut hold_out_of(const Material& material);
+Boundary boundary_of(const Material& material);
+double eta_of(const Material& material);
 
 // Distance in mm beyond which R_d is zero.
 double support_mm(const Material& material);

@@ -7,17 +7,12 @@
 #include "material/profile_map.h"
 
 namespace parian {
-namespace {
-
-// Slope of ln P beyond the last knot, in 1/mm: the last segment's, at most the minimum decay.
 double tail_slope(const std::vector<double>& knots_mm, const std::vector<double>& log_value) {
   const std::size_t n = knots_mm.size() - 1;
   const double floor = -min_tail_decay / knots_mm[n];
   if (n == 0) return floor;
   return std::min(floor, (log_value[n] - log_value[n - 1]) / (knots_mm[n] - knots_mm[n - 1]));
 }
-
-}  // namespace
 
 double segment_integral(double r0, double h, double y0, double y1) {
   const double beta = y1 - y0;
@@ -64,23 +59,29 @@ double profile_integral(const Profile& profile) {
   return integral;
 }
 
+Profile make_profile(const std::vector<double>& knots_mm, std::vector<double> log_value,
+                     double gain, double dilation) {
+  Profile profile{knots_mm, std::move(log_value), 0};
+  const double shift = std::log(gain) - 2 * std::log(dilation);
+  for (double& knot : profile.knots_mm) knot *= dilation;
+  for (double& value : profile.log_value) value += shift;
+  profile.support_mm = profile_support(profile.knots_mm, profile.log_value);
+  return profile;
+}
+
 Profile get_profile(const ProfileMap& map, int channel, int x, int y) {
   PARIAN_CHECK(x >= 0 && x < map.width && y >= 0 && y < map.height && channel >= 0 &&
                channel < map.channels);
   const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) +
                             static_cast<std::size_t>(x);
   const std::size_t plane = static_cast<std::size_t>(channel) * map.pixels() + pixel;
-  const double gain = map.gain.empty() ? 1.0 : static_cast<double>(map.gain[plane]);
-  const double dilation = map.dilation.empty() ? 1.0 : static_cast<double>(map.dilation[plane]);
-  const double shift = std::log(gain) - 2 * std::log(dilation);
-  Profile profile;
-  for (std::size_t k = 0; k < map.knots_mm.size(); ++k) {
-    profile.knots_mm.push_back(map.knots_mm[k] * dilation);
-    profile.log_value.push_back(
-        static_cast<double>(knot_plane(map, channel, static_cast<int>(k))[pixel]) + shift);
-  }
-  profile.support_mm = profile_support(profile.knots_mm, profile.log_value);
-  return profile;
+  std::vector<double> log_value;
+  log_value.reserve(map.knots_mm.size());
+  for (std::size_t k = 0; k < map.knots_mm.size(); ++k)
+    log_value.push_back(static_cast<double>(knot_plane(map, channel, static_cast<int>(k))[pixel]));
+  return make_profile(map.knots_mm, std::move(log_value),
+                      map.gain.empty() ? 1.0 : static_cast<double>(map.gain[plane]),
+                      map.dilation.empty() ? 1.0 : static_cast<double>(map.dilation[plane]));
 }
 
 }  // namespace parian

@@ -5,11 +5,12 @@
 #include <limits>
 #include <memory>
 
+#include "material/field_internal.h"
+
 namespace parian {
 namespace {
 
 constexpr int resampled_knots = 112;
-constexpr double tail_step = 1.12;  // from knot to knot beyond the map's own
 
 // Rows of a whole grid: half_log[pixel][knot][channel] and support[pixel][channel].
 struct Rows {
@@ -23,20 +24,6 @@ void fill_row(const Profile& profile, const std::vector<float>& knots, float* ha
   for (std::size_t k = 0; k < knots.size(); ++k)
     half_log[3 * k] =
         static_cast<float>(0.5 * eval_log_profile(uncut, static_cast<double>(knots[k])));
-}
-
-// The map's own knots, and a few over the tail so that brackets stay tight there. Of knots that
-// floats hardly tell apart the first is kept.
-std::vector<float> extend_knots(const std::vector<double>& knots, double support) {
-  const double last = knots.back();
-  std::vector<float> extended{0};
-  for (double knot : knots)
-    if (knot - static_cast<double>(extended.back()) > 1e-5 * last)
-      extended.push_back(static_cast<float>(knot));
-  for (double r = tail_step * last; r < 0.95 * support; r *= tail_step)
-    extended.push_back(static_cast<float>(r));
-  if (support > last * (1 + 1e-6)) extended.push_back(static_cast<float>(support * (1 + 1e-6)));
-  return extended;
 }
 
 // From 0 to `last`: the first step is `first`, every further one longer by the same factor.
@@ -61,24 +48,17 @@ bool falls_everywhere(const Rows& rows, std::size_t row) {
   return true;
 }
 
-// Bilinear over the four pixels around (x, y); centres at integers, clamped to the grid.
+// Bilinear over the four pixels around (x, y).
 void eval_rows(const Rows& rows, int width, int height, std::size_t row, double x, double y,
                float* half_log, float* support) {
-  const double cx = std::clamp(x, 0.0, width - 1.0), cy = std::clamp(y, 0.0, height - 1.0);
-  const int x0 = std::min(static_cast<int>(cx), std::max(0, width - 2));
-  const int y0 = std::min(static_cast<int>(cy), std::max(0, height - 2));
-  const double fx = cx - x0, fy = cy - y0;
   std::fill_n(half_log, row, 0.0f);
   std::fill_n(support, 3, 0.0f);
-  for (int corner = 0; corner < 4; ++corner) {
-    const int dx = corner & 1, dy = corner >> 1;
-    const auto weight = static_cast<float>((dx ? fx : 1 - fx) * (dy ? fy : 1 - fy));
-    if (weight == 0) continue;
-    const std::size_t pixel = static_cast<std::size_t>(y0 + dy) * static_cast<std::size_t>(width) +
-                              static_cast<std::size_t>(x0 + dx);
-    const float* from = rows.half_log.data() + pixel * row;
-    for (std::size_t i = 0; i < row; ++i) half_log[i] += weight * from[i];
-    for (std::size_t c = 0; c < 3; ++c) support[c] += weight * rows.support[3 * pixel + c];
+  for (const Corner& corner : find_corners(width, height, x, y)) {
+    if (corner.weight == 0) continue;
+    const float* from = rows.half_log.data() + corner.pixel * row;
+    for (std::size_t i = 0; i < row; ++i) half_log[i] += corner.weight * from[i];
+    for (std::size_t c = 0; c < 3; ++c)
+      support[c] += corner.weight * rows.support[3 * corner.pixel + c];
   }
 }
 
@@ -175,7 +155,41 @@ ProfileField make_field(const Dipole& dipole, double support) {
   return field;
 }
 
+// A dilated blend is written out first.
+ProfileField make_field(const ProfileBlend& blend, double support) {
+  if (!blend.dilation.empty()) return make_field(make_profile_map(blend), support);
+  return make_blend_field(blend, support);
+}
+
 }  // namespace
+
+std::vector<float> extend_knots(const std::vector<double>& knots, double support) {
+  const double last = knots.back();
+  std::vector<float> extended{0};
+  for (double knot : knots)
+    if (knot - static_cast<double>(extended.back()) > 1e-5 * last)
+      extended.push_back(static_cast<float>(knot));
+  for (double r = tail_step * last; r < 0.95 * support; r *= tail_step)
+    extended.push_back(static_cast<float>(r));
+  if (support > last * (1 + 1e-6)) extended.push_back(static_cast<float>(support * (1 + 1e-6)));
+  return extended;
+}
+
+std::array<Corner, 4> find_corners(int width, int height, double x, double y) {
+  const double cx = std::clamp(x, 0.0, width - 1.0), cy = std::clamp(y, 0.0, height - 1.0);
+  const int x0 = std::min(static_cast<int>(cx), std::max(0, width - 2));
+  const int y0 = std::min(static_cast<int>(cy), std::max(0, height - 2));
+  const double fx = cx - x0, fy = cy - y0;
+  std::array<Corner, 4> corners;
+  for (int corner = 0; corner < 4; ++corner) {
+    const int dx = corner & 1, dy = corner >> 1;
+    corners[static_cast<std::size_t>(corner)] = {
+        static_cast<std::size_t>(std::min(y0 + dy, height - 1)) * static_cast<std::size_t>(width) +
+            static_cast<std::size_t>(std::min(x0 + dx, width - 1)),
+        static_cast<float>((dx ? fx : 1 - fx) * (dy ? fy : 1 - fy))};
+  }
+  return corners;
+}
 
 ProfileField make_profile_field(const Material& material) {
   const double support = support_mm(material);

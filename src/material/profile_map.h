@@ -72,7 +72,12 @@ struct Profile {
   std::vector<double> log_value;
   double support_mm = 0;
 };
+// From values at undilated knots.
+Profile make_profile(const std::vector<double>& knots_mm, std::vector<double> log_value,
+                     double gain = 1, double dilation = 1);
 Profile get_profile(const ProfileMap& map, int channel, int x, int y);
+// Slope of ln P beyond the last knot, in 1/mm: the last segment's, at most the minimum decay.
+double tail_slope(const std::vector<double>& knots_mm, const std::vector<double>& log_value);
 
 // ln P(r) of Eq. 5, -infinity beyond the support.
 double eval_log_profile(const Profile& profile, double r_mm);

@@ -107,9 +107,9 @@ TEST(EnvironmentSampler, SamplesFollowThePdf) {
     for (int x = 0; x < columns; ++x) {
       double probability = 0;
       for (int k = 0; k < parts * parts; ++k) {
-        const Vec2 uv{
-            static_cast<float>((x + (k % parts + 0.5) / parts) / columns),
-            static_cast<float>((y + (static_cast<double>(k / parts) + 0.5) / parts) / rows)};
+        const int across = k % parts, down = k / parts;
+        const Vec2 uv{static_cast<float>((x + (across + 0.5) / parts) / columns),
+                      static_cast<float>((y + (down + 0.5) / parts) / rows)};
         probability += eval_with_pdf(sampler, uv).pdf * std::sin(pi * uv.y) * 2 * pi * pi /
                        (columns * rows * parts * parts);
       }

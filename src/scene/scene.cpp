@@ -4,13 +4,12 @@ namespace parian {
 
 Boundary boundary_of(const SurfaceMaterial& material) {
   if (const auto* table = std::get_if<BssrdfTable>(&material)) return table->header.boundary;
-  const auto* map = std::get_if<ProfileMap>(&std::get<Material>(material));
-  return map != nullptr ? map->boundary : Boundary::excluded;
+  return boundary_of(std::get<Material>(material));
 }
 
 double eta_of(const SurfaceMaterial& material) {
   if (const auto* table = std::get_if<BssrdfTable>(&material)) return table->header.eta;
-  return std::visit([](const auto& model) { return model.eta; }, std::get<Material>(material));
+  return eta_of(std::get<Material>(material));
 }
 
 ParamList describe(Camera& camera) {

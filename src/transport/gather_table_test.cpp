@@ -162,6 +162,7 @@ TEST(gather_table, uniform_plane_scatters_the_row_sum) {
   for (const int density : {1, 2, 4}) {
     const TableGatherSources sources = scatter(24, 24, pitch, density, 5);
     std::vector<TableGatherPoint> targets;
+    targets.reserve(40);
     for (int i = 0; i < 40; ++i) targets.push_back(on_plane(9.1 + 0.13 * i, 8.7 + 0.17 * i, pitch));
     const double spacing = std::sqrt(sources.area_mm2);
     double mean = 0;

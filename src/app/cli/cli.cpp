@@ -71,7 +71,8 @@ std::string value_name_of(const Param& param) {
 
 void add_param(CLI::App& app, ParamText& entry, const char* group) {
   const Param& param = *entry.param;
-  const std::string name = (is_negated(param) ? "--no-" : "--") + param.name;
+  const std::string letter = param.letter ? fmt::format("-{},", param.letter) : std::string();
+  const std::string name = letter + (is_negated(param) ? "--no-" : "--") + param.name;
   if (std::holds_alternative<bool*>(param.target)) {
     entry.option = app.add_flag(name, entry.flipped, describe_param(param));
   } else {

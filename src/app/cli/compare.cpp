@@ -96,7 +96,7 @@ void save_plots(const CompareOptions& options, const SliceSource& table, const S
                  fmt::format("{}", channel)},
                 ErrorKind::usage);
   const std::vector<Image> plots =
-      plot_profiles(table, *model.slices, model.map(), pixels, channel);
+      plot_profiles(table, *model.slices, model.material.get(), pixels, channel);
   std::filesystem::create_directories(options.plot_folder);
   for (std::size_t i = 0; i < plots.size(); ++i)
     save_image(fmt::format("{}/profile-{}-{}.png", options.plot_folder, pixels[i].x, pixels[i].y),
@@ -113,7 +113,7 @@ void compare_files(const CompareOptions& options, const Context& context) {
   pixels.reserve(options.plots.size());
   for (const std::string& text : options.plots)
     pixels.push_back(parse_pixel(text, table->header()));
-  const HoldOut hold_out = model.map() ? model.map()->hold_out : HoldOut{};
+  const HoldOut hold_out = model.material ? hold_out_of(*model.material) : HoldOut{};
   CompareReport report = compare(*table, *model.slices, hold_out, context.progress);
   report.bytes_material = std::filesystem::file_size(options.material);
   save_error_image(options, report.error_image);

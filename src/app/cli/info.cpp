@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -11,6 +12,7 @@
 #include "app/cli/command.h"
 #include "app/cli/inputs.h"
 #include "app/cli/output.h"
+#include "io/blend/blend_file.h"
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
@@ -107,7 +109,8 @@ Document describe_table(const std::string& path, const Context& context) {
   return figures;
 }
 
-void describe_profiles(Document& figures, const ProfileMap& map) {
+template <typename Grid>
+void describe_profiles(Document& figures, const Grid& map) {
   std::vector<Statistics> albedo(static_cast<std::size_t>(map.channels));
   std::vector<Statistics> support(albedo.size());
   for (int c = 0; c < map.channels; ++c)
@@ -121,26 +124,72 @@ void describe_profiles(Document& figures, const ProfileMap& map) {
   set(figures, "support_mm", to_document(support));
 }
 
+// What profile maps and blends have in common, before and after what they have not.
+template <typename Grid>
+Document begin_material(const std::string& path, const char* kind, const Grid& grid) {
+  TableHeader header;
+  header.width = grid.width;
+  header.height = grid.height;
+  header.channels = grid.channels;
+  header.pixel_pitch_mm = grid.pixel_pitch_mm;
+  header.boundary = grid.boundary;
+  header.eta = grid.eta;
+  Document figures = Document::Object{{"file", path}, {"kind", kind}};
+  describe_grid(figures, header);
+  set(figures, "knots", grid.knots_mm.size());
+  set(figures, "knots_mm", Document::Array(grid.knots_mm.begin(), grid.knots_mm.end()));
+  set(figures, "has_gain", !grid.gain.empty());
+  set(figures, "has_dilation", !grid.dilation.empty());
+  set(figures, "held_out", grid.hold_out.fraction);
+  set(figures, "bytes", static_cast<std::size_t>(std::filesystem::file_size(path)));
+  return figures;
+}
+
+template <typename Grid>
+Document finish_material(Document figures, const Grid& grid) {
+  describe_profiles(figures, grid);
+  set(figures, "provenance", read_provenance(grid.provenance));
+  return figures;
+}
+
 Document describe_map(const std::string& path) {
   const ProfileMap map = load_profile_map(path);
-  TableHeader header;
-  header.width = map.width;
-  header.height = map.height;
-  header.channels = map.channels;
-  header.pixel_pitch_mm = map.pixel_pitch_mm;
-  header.boundary = map.boundary;
-  header.eta = map.eta;
-  Document figures = Document::Object{{"file", path}, {"kind", "profile map"}};
-  describe_grid(figures, header);
-  set(figures, "knots", map.knots_mm.size());
-  set(figures, "knots_mm", Document::Array(map.knots_mm.begin(), map.knots_mm.end()));
-  set(figures, "has_gain", !map.gain.empty());
-  set(figures, "has_dilation", !map.dilation.empty());
-  set(figures, "held_out", map.hold_out.fraction);
-  set(figures, "bytes", static_cast<std::size_t>(std::filesystem::file_size(path)));
-  describe_profiles(figures, map);
-  set(figures, "provenance", read_provenance(map.provenance));
-  return figures;
+  return finish_material(begin_material(path, "profile map", map), map);
+}
+
+// At how many pixels each base has the largest weight: min, mean, max over the bases.
+Document describe_base_use(const ProfileBlend& blend) {
+  std::vector<std::size_t> count(blend.bases(), 0);
+  std::array<float, max_bases_per_pixel> weights{};
+  const auto end = weights.begin() + blend.per_pixel;
+  for (std::size_t x = 0; x < blend.pixels(); ++x) {
+    get_weights(blend, x, weights.data());
+    const auto k =
+        static_cast<std::size_t>(std::max_element(weights.begin(), end) - weights.begin());
+    ++count[blend.index[k * blend.pixels() + x]];
+  }
+  Statistics use;
+  for (std::size_t pixels : count) add(use, static_cast<double>(pixels));
+  return to_document(std::vector<Statistics>{use});
+}
+
+Document describe_blend(const std::string& path) {
+  const ProfileBlend blend = load_blend(path);
+  const BlendBytes bytes = measure_blend_file(path);
+  Document figures = begin_material(path, "profile blend", blend);
+  set(figures, "encoding", bytes.encoding == BlendEncoding::packed ? "packed" : "paper");
+  set(figures, "bytes_profiles", bytes.profiles);
+  set(figures, "bytes_indices", bytes.indices);
+  set(figures, "bytes_weights", bytes.weights);
+  set(figures, "bytes_gain_dilation", bytes.gain_dilation);
+  set(figures, "bytes_overhead", bytes.overhead);
+  set(figures, "bytes_as_paper", paper_bytes(blend));
+  set(figures, "bases", blend.bases());
+  set(figures, "per_pixel", blend.per_pixel);
+  set(figures, "profile_step", blend.grid.profile_step);
+  set(figures, "weight_levels", blend.grid.weight_levels);
+  set(figures, "pixels_per_base", describe_base_use(blend));
+  return finish_material(std::move(figures), blend);
 }
 
 Document describe_image(const std::string& path) {
@@ -220,6 +269,8 @@ Document describe_file(const std::string& path, const Context& context) {
   switch (find_file_kind(path)) {
     case FileKind::map:
       return describe_map(path);
+    case FileKind::blend:
+      return describe_blend(path);
     case FileKind::image:
       return describe_image(path);
     case FileKind::mesh:

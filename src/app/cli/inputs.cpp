@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "base/error.h"
+#include "io/blend/blend_file.h"
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
@@ -34,16 +35,18 @@ BssrdfTable load_table(const std::string& path) {
 SurfaceMaterial load_material(const std::string& path) {
   const FileKind kind = find_file_kind(path);
   if (kind == FileKind::map) return Material(load_profile_map(path));
+  if (kind == FileKind::blend) return Material(load_blend(path));
   if (kind == FileKind::table || kind == FileKind::other) return load_table(path);
   const char* found = kind == FileKind::image  ? "an image"
                       : kind == FileKind::mesh ? "a mesh"
                                                : "a JSON file";
-  throw Error({path, {}, "a profile map or a table", found});
+  throw Error({path, {}, "a profile map, a blend or a table", found});
 }
 
 }  // namespace
 
 FileKind find_file_kind(const std::string& path) {
+  if (is_blend_file(path)) return FileKind::blend;
   const std::string format = read_format(path);
   if (format == "parian-bssrdf-table") return FileKind::table;
   if (format == "parian-profile-map") return FileKind::map;
@@ -51,6 +54,7 @@ FileKind find_file_kind(const std::string& path) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (extension == ".json") return FileKind::json;
+  if (extension == ".kbm") return FileKind::blend;  // whatever is in it: the error is a blend's
   for (const char* known : {".png", ".jpg", ".jpeg", ".exr", ".hdr"})
     if (extension == known) return FileKind::image;
   for (const char* known : {".ply", ".obj", ".gltf", ".glb", ".stl"})
@@ -60,8 +64,10 @@ FileKind find_file_kind(const std::string& path) {
 
 Surface open_surface(const std::string& path, const TableHeader* like) {
   Surface surface;
-  if (find_file_kind(path) == FileKind::map) {
-    surface.material = std::make_shared<const Material>(load_profile_map(path));
+  const FileKind kind = find_file_kind(path);
+  if (kind == FileKind::map || kind == FileKind::blend) {
+    surface.material = std::make_shared<const Material>(
+        kind == FileKind::map ? Material(load_profile_map(path)) : Material(load_blend(path)));
     surface.slices =
         make_slices(*surface.material, like ? *like : natural_header(*surface.material), path);
   } else {  // whatever it is, its error is that of a table

@@ -11,7 +11,7 @@
 
 namespace parian {
 
-enum class FileKind { table, map, image, mesh, json, other };
+enum class FileKind { table, map, blend, image, mesh, json, other };
 
 // By the HDF5 attribute "format", then by the name's extension.
 FileKind find_file_kind(const std::string& path);
@@ -20,11 +20,6 @@ FileKind find_file_kind(const std::string& path);
 struct Surface {
   std::shared_ptr<const Material> material;  // null for tables
   std::unique_ptr<SliceSource> slices;       // refers to *material
-
-  // The profile map, or null.
-  const ProfileMap* map() const {
-    return material ? std::get_if<ProfileMap>(material.get()) : nullptr;
-  }
 };
 
 // A material takes grid and offsets from `like`; without it, from its own grid and support.

@@ -33,4 +33,18 @@ std::string make_fit_provenance(const SliceSource& table, const FitParams& param
   return format_document(provenance);
 }
 
+std::string make_blend_provenance(const std::string& file, const std::string& map_provenance,
+                                  const CompressParams& params) {
+  CompressParams copy = params;
+  Document source{Document::Object{}};
+  set(source, "file", std::filesystem::path(file).filename().string());
+  if (!map_provenance.empty()) set(source, "provenance", parse_leniently(map_provenance));
+  Document provenance{Document::Object{}};
+  set(provenance, "kind", "compress");
+  set(provenance, "program", "parian " PARIAN_VERSION);
+  set(provenance, "parameters", write_params(describe(copy)));
+  set(provenance, "source", source);
+  return format_document(provenance);
+}
+
 }  // namespace parian

@@ -1,8 +1,9 @@
-// Where a fitted map comes from, as it is written into the map's file.
+// Where a fitted map or a blend comes from, as it is written into its file.
 #pragma once
 
 #include <string>
 
+#include "compress/compress_params.h"
 #include "fit/fit_params.h"
 #include "material/slices.h"
 
@@ -10,5 +11,10 @@ namespace parian {
 
 // JSON text: program, parameters, the table's file name (without its folder) and provenance.
 std::string make_fit_provenance(const SliceSource& table, const FitParams& params);
+
+// The same for a blend: program, parameters, and the map it was made from, by its file name where
+// it has one, with its own provenance.
+std::string make_blend_provenance(const std::string& file, const std::string& map_provenance,
+                                  const CompressParams& params);
 
 }  // namespace parian

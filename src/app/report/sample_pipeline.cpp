@@ -58,9 +58,9 @@ std::vector<float> save_relit(const PipelineSample& sample, const SliceSource& t
 }
 
 void save_plots(const PipelineSample& sample, const SliceSource& table, const SliceSource& model,
-                const ProfileMap& map, const std::vector<PlotPixel>& pixels) {
+                const Material& material, const std::vector<PlotPixel>& pixels) {
   const std::vector<Image> plots =
-      plot_profiles(table, model, &map, pixels, table.header().channels / 2);
+      plot_profiles(table, model, &material, pixels, table.header().channels / 2);
   for (std::size_t i = 0; i < plots.size(); ++i)
     save_image(path_of(sample, fmt::format("profile-{}.png", i + 1)), plots[i]);
 }
@@ -125,7 +125,7 @@ PipelineResult run_pipeline(const PipelineSample& sample, const Progress& progre
   result.plotted = {{map.width / 4, map.height / 4},
                     {map.width / 2, map.height / 2},
                     {3 * map.width / 4, map.height / 2}};
-  save_plots(sample, *table, *model, map, result.plotted);
+  save_plots(sample, *table, *model, material, result.plotted);
   return result;
 }
 
