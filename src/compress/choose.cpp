@@ -45,29 +45,40 @@ struct Trial {
 class Trials {
  public:
   Trials(const ProfileMap& map, std::shared_ptr<const BlendObjective> objective,
-         CompressParams params, bool packed, const MeasureBytes& measure_bytes,
+         CompressParams params, bool packed, const BlendMeasures& measures,
          const Progress& progress)
       : map_(map),
         objective_(std::move(objective)),
         params_(std::move(params)),
         packed_(packed),
-        measure_bytes_(measure_bytes),
+        measures_(measures),
         progress_(progress) {}
 
-  Trial run(Size size, int rounds = short_rounds) {
-    CompressParams params = params_;
+  ProfileBlend compress(Size size, CompressParams& params) {
+    params = params_;
     params.per_pixel = size.per_pixel;
     params.bases = static_cast<int>(std::min(static_cast<std::size_t>(size.bases), map_.pixels()));
-    params.rounds = rounds;
+    params.rounds = short_rounds;
     if (packed_) set_lattice(params);
     CompressState state = make_compress_state(map_, objective_, params);
     while (!state.done) {
       advance(state);
       advance_progress(progress_, "choosing sizes", std::min(0.99, 0.05 * ++steps_));
     }
-    Trial trial{params, measure_bytes_(make_blend(state)), state.run.energy,
-                estimate_errors(state).relative};
-    trial.params.rounds = params_.rounds;
+    params.rounds = params_.rounds;
+    energy_ = state.run.energy;
+    return make_blend(state);
+  }
+
+  Trial measure_size(Size size) {
+    Trial trial;
+    trial.bytes = measures_.bytes(compress(size, trial.params));
+    trial.energy = energy_;
+    return trial;
+  }
+  Trial measure_error(Size size) {
+    Trial trial;
+    trial.error = measures_.error(compress(size, trial.params));
     return trial;
   }
 
@@ -81,9 +92,9 @@ class Trials {
   std::shared_ptr<const BlendObjective> objective_;
   CompressParams params_;
   bool packed_;
-  const MeasureBytes& measure_bytes_;
+  const BlendMeasures& measures_;
   const Progress& progress_;
-  double steps_ = 0;
+  double steps_ = 0, energy_ = 0;
 };
 
 // The largest number of bases that fits, for one K: size grows with M nearly linearly.
@@ -91,7 +102,7 @@ std::vector<Trial> fit_bases(Trials& trials, int per_pixel, std::size_t max_byte
   std::vector<Trial> fitting;
   int low = 1, high = 1024;  // low fits or is 1
   for (int bases = 64; low < high;) {
-    Trial trial = trials.run({per_pixel, bases});
+    Trial trial = trials.measure_size({per_pixel, bases});
     const bool fits = trial.bytes <= max_bytes;
     if (fits) {
       low = std::max(low, bases);
@@ -118,7 +129,7 @@ CompressParams choose_for_bytes(Trials& trials, std::size_t max_bytes) {
   if (fitting.empty())
     throw Error({{},
                  "--max-bytes",
-                 fmt::format("at least {} for one base", trials.run({1, 1}).bytes),
+                 fmt::format("at least {} for one base", trials.measure_size({1, 1}).bytes),
                  fmt::format("{}", max_bytes)});
   return std::min_element(fitting.begin(), fitting.end(),
                           [](const Trial& a, const Trial& b) { return a.energy < b.energy; })
@@ -131,7 +142,7 @@ CompressParams choose_for_error(Trials& trials, double max_error) {
   CompressParams chosen;
   while (low < high) {
     const std::size_t middle = (low + high) / 2;
-    const Trial trial = trials.run(ladder[middle]);
+    const Trial trial = trials.measure_error(ladder[middle]);
     best = std::min(best, trial.error);
     if (trial.error <= max_error) {
       high = middle;
@@ -151,13 +162,12 @@ CompressParams choose_for_error(Trials& trials, double max_error) {
 CompressParams choose_params(const ProfileMap& map,
                              const std::shared_ptr<const BlendObjective>& objective,
                              const CompressParams& params, const CompressLimits& limits,
-                             bool packed, const MeasureBytes& measure_bytes,
-                             const Progress& progress) {
-  Trials trials(map, objective, params, packed, measure_bytes, progress);
+                             bool packed, const BlendMeasures& measures, const Progress& progress) {
+  Trials trials(map, objective, params, packed, measures, progress);
   if (limits.max_error <= 0) return choose_for_bytes(trials, limits.max_bytes);
   const CompressParams chosen = choose_for_error(trials, limits.max_error);
   if (limits.max_bytes > 0) {
-    const std::size_t bytes = trials.run({chosen.per_pixel, chosen.bases}).bytes;
+    const std::size_t bytes = trials.measure_size({chosen.per_pixel, chosen.bases}).bytes;
     if (bytes > limits.max_bytes)
       throw Error({{},
                    "--max-bytes with --max-error",

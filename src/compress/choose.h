@@ -12,8 +12,11 @@ struct CompressLimits {
   double max_error = 0;       // mean relative error; 0: none
 };
 
-// Size of the file that a blend would make: io knows it.
-using MeasureBytes = std::function<std::size_t(const ProfileBlend&)>;
+// What only the caller can measure of a blend.
+struct BlendMeasures {
+  std::function<std::size_t(const ProfileBlend&)> bytes;  // of the file that it would make
+  std::function<double(const ProfileBlend&)> error;       // mean relative, against the table
+};
 
 // `params` with bases, per_pixel and, where `packed`, the lattice set for the limits: the least
 // error within max_bytes, or the least size within max_error. Throws Error naming what is reached
@@ -21,7 +24,7 @@ using MeasureBytes = std::function<std::size_t(const ProfileBlend&)>;
 CompressParams choose_params(const ProfileMap& map,
                              const std::shared_ptr<const BlendObjective>& objective,
                              const CompressParams& params, const CompressLimits& limits,
-                             bool packed, const MeasureBytes& measure_bytes,
+                             bool packed, const BlendMeasures& measures,
                              const Progress& progress = {});
 
 }  // namespace parian

@@ -49,8 +49,9 @@ void advance(CompressState& state);
 // The blend as it is now. Without a lattice, or before it is reached, its grid is empty.
 ProfileBlend make_blend(const CompressState& state);
 
-// Mean errors of the present blend against the table (or the map): estimates of what `compare`
-// measures. NaN for Objective::paper.
+// Mean errors of the present blend against the map, which `compare` would measure; where the
+// objective took in a table, its albedo is the table's, and the relative error is too large by what
+// the blend makes up for. NaN for Objective::paper.
 struct CompressErrors {
   double relative = 0, albedo = 0;
 };

@@ -20,6 +20,7 @@
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
+#include "judge/compare.h"
 
 namespace parian {
 namespace {
@@ -57,6 +58,17 @@ Source open_source(const CompressOptions& options, const Progress& progress) {
   return source;
 }
 
+// The blend's errors against the table, or against the map where there is none.
+CompareReport judge(const Source& source, const ProfileBlend& blend, const Progress& progress) {
+  const Material model = blend;
+  if (source.table != nullptr)
+    return compare(*source.table, *make_slices(model, source.table->header()), source.map.hold_out,
+                   progress);
+  const Material map = source.map;
+  const TableHeader header = natural_header(map);
+  return compare(*make_slices(map, header), *make_slices(model, header), {}, progress);
+}
+
 // Pictures of a run, round by round, and the blend to go on from with --start.
 void write_round(const std::string& folder, const CompressState& state) {
   std::filesystem::create_directories(folder);
@@ -65,6 +77,17 @@ void write_round(const std::string& folder, const CompressState& state) {
   save_image(path + "-weights.png", make_weight_image(blend));
   save_image(path + "-indices.png", make_index_image(blend));
   save_blend(folder + "/latest.kbm", blend, BlendEncoding::paper);
+}
+
+// With its provenance, as it will be written.
+ProfileBlend finish(const CompressOptions& options, const Source& source,
+                    const CompressParams& params, ProfileBlend blend) {
+  blend.provenance = make_blend_provenance(options.input, source.map.provenance, params);
+  return blend;
+}
+
+std::size_t measure_bytes(const CompressOptions& options, const ProfileBlend& blend) {
+  return encode_blend(blend, options.encoding).size();
 }
 
 void set_lattice(const CompressOptions& options, CompressParams& params) {
@@ -81,7 +104,10 @@ CompressParams choose(const CompressOptions& options, const Source& source,
   return choose_params(
       source.map, objective, options.params,
       {static_cast<std::size_t>(options.max_bytes), options.max_error}, packed,
-      [&](const ProfileBlend& blend) { return encode_blend(blend, options.encoding).size(); },
+      {.bytes =
+           [&](const ProfileBlend& blend) { return encode_blend(blend, options.encoding).size(); },
+       .error =
+           [&](const ProfileBlend& blend) { return judge(source, blend, {}).relative_error.mean; }},
       progress);
 }
 
@@ -101,29 +127,39 @@ CompressState run(const CompressOptions& options, const Source& source,
   return state;
 }
 
-// The best blend within --max-bytes: fewer bases until the file fits, as short runs foretold it.
-CompressState run_within(const CompressOptions& options, const Source& source,
-                         CompressParams& params,
-                         const std::shared_ptr<const BlendObjective>& objective,
-                         const Progress& progress) {
+struct Compressed {
+  CompressState state;
+  ProfileBlend blend;
+};
+
+// The best blend within --max-bytes: fewer bases until the file fits, where short runs foretold too
+// small a one.
+Compressed run_within(const CompressOptions& options, const Source& source, CompressParams& params,
+                      const std::shared_ptr<const BlendObjective>& objective,
+                      const Progress& progress) {
   while (true) {
     CompressState state = run(options, source, params, objective, progress);
-    if (options.max_bytes == 0 || params.bases == 1) return state;
-    const std::size_t bytes = encode_blend(make_blend(state), options.encoding).size();
-    if (bytes <= options.max_bytes) return state;
-    params.bases = std::max(1, params.bases - std::max(1, params.bases / 16));
+    ProfileBlend blend = finish(options, source, params, make_blend(state));
+    const std::size_t bytes = options.max_bytes == 0 ? 0 : measure_bytes(options, blend);
+    if (bytes <= options.max_bytes) return {std::move(state), std::move(blend)};
+    if (params.bases == 1)
+      throw Error({{},
+                   "--max-bytes",
+                   fmt::format("at least {}", bytes),
+                   fmt::format("{}", options.max_bytes)});
+    const double part = static_cast<double>(options.max_bytes) / static_cast<double>(bytes);
+    params.bases = std::max(1, std::min(params.bases - 1, static_cast<int>(params.bases * part)));
   }
 }
 
 Document make_figures(const CompressState& state, const BlendBytes& bytes,
-                      const CompressErrors& errors, double seconds) {
+                      const CompareReport& errors, double seconds) {
   Document figures = to_document(CompressReport{state.history, state.run.energy, seconds});
   set(figures, "bases", state.run.mixture.base_count());
   set(figures, "per_pixel", state.run.mixture.per_pixel);
   set(figures, "weight_levels", state.params.weight_levels);
   set(figures, "profile_step", state.params.profile_step);
-  set(figures, "relative_error_estimate", errors.relative);
-  set(figures, "albedo_error_estimate", errors.albedo);
+  set(figures, "errors", to_document(errors));
   Document spent{Document::Object{}};
   set(spent, "file", bytes.file);
   set(spent, "profiles", bytes.profiles);
@@ -135,16 +171,16 @@ Document make_figures(const CompressState& state, const BlendBytes& bytes,
 }
 
 std::string summarise(const CompressOptions& options, const CompressState& state,
-                      const BlendBytes& bytes, const CompressErrors& errors, double seconds) {
+                      const BlendBytes& bytes, const CompareReport& errors, double seconds) {
   const ProfileMap& map = state.header;
   std::string text = fmt::format("{}: {} x {} pixels, {} of {} bases each, {} bytes\n",
                                  options.output, map.width, map.height, state.run.mixture.per_pixel,
                                  state.run.mixture.base_count(), bytes.file);
   text += fmt::format("  profiles {}, indices {}, weights {}, overhead {}\n", bytes.profiles,
                       bytes.indices, bytes.weights, bytes.overhead);
-  if (std::isfinite(errors.relative))
-    text += fmt::format("  estimated mean relative error {:.4f}, mean albedo error {:.4f}\n",
-                        errors.relative, errors.albedo);
+  text += fmt::format(
+      "  mean relative error {:.4f}, mean albedo error {:.4f}, {:.1f} dB under uniform light\n",
+      errors.relative_error.mean, errors.albedo_error_mean, errors.psnr_db.uniform);
   return text + fmt::format("  objective {:.6g} after {} rounds, {:.2f} seconds\n",
                             state.run.energy, state.history.size() - 1, seconds);
 }
@@ -163,14 +199,13 @@ void compress(const CompressOptions& options, const Context& context) {
                                               options.params.objective, context.progress);
   CompressParams params = choose(options, source, objective, context.progress);
   set_lattice(options, params);
-  const CompressState state = run_within(options, source, params, objective, context.progress);
-  ProfileBlend blend = make_blend(state);
-  blend.provenance = make_blend_provenance(options.input, source.map.provenance, params);
+  const auto [state, blend] = run_within(options, source, params, objective, context.progress);
   save_blend(options.output, blend, options.encoding);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const BlendBytes bytes = measure_blend_file(options.output);
-  const CompressErrors errors = estimate_errors(state);
+  CompareReport errors = judge(source, blend, context.progress);
+  errors.bytes_material = bytes.file;
   write_figures(context, make_figures(state, bytes, errors, seconds));
   print_summary(context, summarise(options, state, bytes, errors, seconds));
 }

@@ -80,14 +80,17 @@ ProfileBlend sort_blend(const ProfileBlend& blend) {
   }
   std::array<float, max_bases_per_pixel> weight{};
   std::array<std::size_t, max_bases_per_pixel> slot{};
+  std::array<long, max_bases_per_pixel> level{};  // of the lattice: ties are ties
   for (std::size_t x = 0; x < pixels; ++x) {
     get_weights(blend, x, weight.data());
+    for (std::size_t k = 0; k < per_pixel; ++k)
+      level[k] = std::lround(weight[k] * static_cast<float>(blend.grid.weight_levels));
     std::iota(slot.begin(), slot.end(), std::size_t{0});
     std::stable_sort(slot.begin(), slot.begin() + static_cast<std::ptrdiff_t>(per_pixel),
-                     [&](std::size_t a, std::size_t b) { return weight[a] > weight[b]; });
+                     [&](std::size_t a, std::size_t b) { return level[a] > level[b]; });
     for (std::size_t k = 0; k < per_pixel; ++k) {
       // The base of a weight of 0 does not matter: the one to the left is cheapest.
-      const bool free = weight[slot[k]] == 0 && x > 0;
+      const bool free = level[slot[k]] == 0 && x > 0;
       sorted.index[k * pixels + x] =
           free ? sorted.index[k * pixels + x - 1] : number[blend.index[slot[k] * pixels + x]];
       if (k + 1 < per_pixel) sorted.weight[k * pixels + x] = weight[slot[k]];
