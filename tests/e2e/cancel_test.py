@@ -39,6 +39,15 @@ class Cancel(program.ProgramTest):
         self.assertEqual(self.read_bytes("map.h5"), b"old")
         self.assertEqual(self.names(), ["map.h5", "sample.json", "table.h5"])
 
+    def test_compress(self):
+        self.write_json("sample.json", program.sample(160, 160, 12))
+        self.succeed("simulate", "sample.json", "-o", "table.h5")
+        (self.folder / "blend.kbm").write_text("old")
+        self.interrupt(self.has_read_values, "compress", "table.h5", "-o", "blend.kbm", "--threads",
+                       "1", "--rounds", "1000", "--tolerance", "0")
+        self.assertEqual(self.read_bytes("blend.kbm"), b"old")
+        self.assertEqual(self.names(), ["blend.kbm", "sample.json", "table.h5"])
+
 
 if __name__ == "__main__":
     program.main()

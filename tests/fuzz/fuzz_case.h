@@ -40,5 +40,6 @@ void fuzz_table(Case& c);
 void fuzz_map(Case& c);
 void fuzz_image(Case& c);
 void fuzz_mesh(Case& c);
+void fuzz_blend(Case& c);
 
 }  // namespace parian::fuzz
