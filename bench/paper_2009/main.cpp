@@ -39,22 +39,22 @@ int run(int argc, char** argv) {
   Study study;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    if (argument == "-o" && i + 1 < argc && study.folder.empty())
-      study.folder = argv[++i];
-    else if (argument == "--docs" && i + 1 < argc && study.docs.empty())
-      study.docs = argv[++i];
+    if (argument == "-o" && i + 1 < argc && study.page.folder.empty())
+      study.page.folder = argv[++i];
+    else if (argument == "--docs" && i + 1 < argc && study.page.docs.empty())
+      study.page.docs = argv[++i];
     else if (chosen.empty() && argument[0] != '-')
       chosen = argument;
     else
       return show_usage();
   }
   if (chosen.empty()) chosen = "all";
-  if (study.folder.empty()) study.folder = PARIAN_SOURCE_DIR "/out/bench/paper_2009";
+  if (study.page.folder.empty()) study.page.folder = PARIAN_SOURCE_DIR "/out/bench/paper_2009";
   bool known = chosen == "all";
   for (const NamedStudy& each : studies) known = known || chosen == each.name;
   if (!known) return show_usage();
-  std::filesystem::create_directories(study.folder);
-  if (!study.docs.empty()) std::filesystem::create_directories(study.docs + "/images");
+  std::filesystem::create_directories(study.page.folder);
+  if (!study.page.docs.empty()) std::filesystem::create_directories(study.page.docs + "/images");
   for (const NamedStudy& each : studies)
     if (chosen == "all" || chosen == each.name) each.run(study);
   return 0;

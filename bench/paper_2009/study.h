@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/common/page.h"
 #include "fit/fit.h"
 #include "image/image.h"
 #include "judge/compare.h"
@@ -13,8 +14,7 @@
 namespace parian::paper_2009 {
 
 struct Study {
-  std::string folder;  // of the pictures and tables
-  std::string docs;    // where docs/fit.md is to be brought up to date; may be empty
+  Page page{"fit", "", ""};
   // The sample that was asked for last: the large ones are too large to keep, or to make twice.
   std::string sample;
   BssrdfTable table;
@@ -39,16 +39,13 @@ struct Judged {
 };
 Judged fit_and_judge(const BssrdfTable& table, const FitParams& params);
 
-struct MarkdownTable {
-  std::vector<std::string> header;  // the first column is text, the others are numbers
-  std::vector<std::vector<std::string>> rows;
-};
-// Prints `text` and the table, and writes both to FOLDER/<name>.md and between the page's
-// <!-- name --> and <!-- /name -->.
-void write_table(const Study& study, const std::string& name, const std::string& text,
-                 const MarkdownTable& table);
-// Writes fit-<name>.png to FOLDER, or to the images of the docs.
-void write_picture(const Study& study, const std::string& name, const Image& image);
+inline void write_table(const Study& study, const std::string& name, const std::string& text,
+                        const MarkdownTable& table) {
+  parian::write_table(study.page, name, text, table);
+}
+inline void write_picture(const Study& study, const std::string& name, const Image& image) {
+  parian::write_picture(study.page, name, image);
+}
 
 void study_table1(Study& study);
 void study_segments(Study& study);
