@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/hot.h"
 #include "material/plane_eval_internal.h"
 
 namespace parian {
@@ -15,19 +16,60 @@ namespace {
 
 constexpr double weight_slack = 1e-5;  // rounding of a sum of floats
 
+// out += weight values[index], and what is left of the weights less weight.
+PARIAN_HOT void add_entries(const float* PARIAN_RESTRICT values,
+                            const std::uint16_t* PARIAN_RESTRICT index,
+                            const float* PARIAN_RESTRICT weight, std::size_t count,
+                            float* PARIAN_RESTRICT left, float* PARIAN_RESTRICT out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const int base = index[i];
+    out[i] += weight[i] * values[base];
+    left[i] -= weight[i];
+  }
+}
+
+// The last entry, with the weight that is left.
+PARIAN_HOT void add_last_entries(const float* PARIAN_RESTRICT values,
+                                 const std::uint16_t* PARIAN_RESTRICT index,
+                                 const float* PARIAN_RESTRICT left, std::size_t count,
+                                 float* PARIAN_RESTRICT out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const int base = index[i];
+    const float weight = left[i] > 0 ? left[i] : 0.0f;
+    out[i] += weight * values[base];
+  }
+}
+
+// K = 2 in one pass.
+PARIAN_HOT void mix_pairs(const float* PARIAN_RESTRICT values,
+                          const std::uint16_t* PARIAN_RESTRICT first,
+                          const std::uint16_t* PARIAN_RESTRICT second,
+                          const float* PARIAN_RESTRICT weight, std::size_t count,
+                          float* PARIAN_RESTRICT out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const int a = first[i], b = second[i];
+    const float rest = 1 - weight[i];
+    out[i] = weight[i] * values[a] + (rest > 0 ? rest : 0.0f) * values[b];
+  }
+}
+
 // A profile's values from one per base: sum_k t_xk values[b(x,k)] for all pixels.
 void mix_planes(const ProfileBlend& blend, const std::vector<float>& values, float* out) {
+  constexpr std::size_t block = 1024;  // what is left stays in cache
   const std::size_t pixels = blend.pixels();
   const auto last = static_cast<std::size_t>(blend.per_pixel) - 1;
-  const std::uint16_t* last_index = blend.index.data() + last * pixels;
-  for (std::size_t x = 0; x < pixels; ++x) {
-    float left = 1, sum = 0;
-    for (std::size_t k = 0; k < last; ++k) {
-      const float t = blend.weight[k * pixels + x];
-      left -= t;
-      sum += t * values[blend.index[k * pixels + x]];
-    }
-    out[x] = sum + std::max(left, 0.0f) * values[last_index[x]];
+  if (last == 1)
+    return mix_pairs(values.data(), blend.index.data(), &blend.index[pixels], blend.weight.data(),
+                     pixels, out);
+  std::array<float, block> left;
+  for (std::size_t x = 0; x < pixels; x += block) {
+    const std::size_t count = std::min(block, pixels - x);
+    std::fill_n(out + x, count, 0.0f);
+    std::fill_n(left.begin(), count, 1.0f);
+    for (std::size_t k = 0; k < last; ++k)
+      add_entries(values.data(), &blend.index[k * pixels + x], &blend.weight[k * pixels + x], count,
+                  left.data(), out + x);
+    add_last_entries(values.data(), &blend.index[last * pixels + x], left.data(), count, out + x);
   }
 }
 
