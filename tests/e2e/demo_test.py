@@ -23,7 +23,7 @@ class Demo(program.ProgramTest):
         links = Links()
         links.feed(page)
         self.assertEqual(len(links.pictures), len(set(links.pictures)))
-        self.assertEqual(len(links.pictures), 2 * (9 + 3 + 1) + 4)
+        self.assertEqual(len(links.pictures), 2 * (12 + 3 + 1) + 4)
         for name in links.pictures:
             self.assertEqual(self.read_bytes(f"out/demo/{name}")[:4], b"\x89PNG", name)
         self.assertIn("simulated, not measured", page)
@@ -37,10 +37,11 @@ class Demo(program.ProgramTest):
         lines = (self.folder / "demo/index.html").read_text().split("\n")
         commands = [line.removeprefix("<pre>").split() for line in lines
                     if line.removeprefix("<pre>").startswith("parian ")]
-        self.assertEqual(len(commands), 1 + 2 * 8)
+        self.assertEqual(len(commands), 1 + 2 * 12)
         before = {name: self.read_bytes(name)
                   for name in ("demo/chessboard.h5", "demo/stone-map.h5", "demo/stone-fit.json",
-                               "demo/stone-errors.json", "demo/stone-errors.png")}
+                               "demo/stone-errors.json", "demo/stone-errors.png",
+                               "demo/stone-blend.kbm")}
         for command in commands:
             self.succeed(*command[1:], "--quiet")
         before.pop("demo/stone-fit.json")  # holds times

@@ -11,6 +11,7 @@
 #include "app/report/html.h"
 #include "app/report/pictures.h"
 #include "app/report/provenance.h"
+#include "io/blend/blend_file.h"
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
@@ -36,13 +37,15 @@ void save_enlarged(const std::string& path, const Image& image) {
 
 // Table and fit get one gain, so that they can be compared by eye; the brightest value becomes 0.9.
 std::vector<float> save_relit(const PipelineSample& sample, const SliceSource& table,
-                              const SliceSource& model, const Progress& progress) {
+                              const SliceSource& model, const SliceSource& blend,
+                              const Progress& progress) {
   const TableHeader& header = table.header();
   std::vector<Image> lights;
   for (FlatLight light : {FlatLight::uniform, FlatLight::disc, FlatLight::line})
     lights.push_back(make_flat_light(light, header.width, header.height, header.channels));
   const std::vector<Image> measured = relight(table, lights, progress);
   const std::vector<Image> fitted = relight(model, lights, progress);
+  const std::vector<Image> blended = relight(blend, lights, progress);
   std::vector<float> gains;
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const std::string stem = path_of(sample, light_names[i]);
@@ -50,6 +53,7 @@ std::vector<float> save_relit(const PipelineSample& sample, const SliceSource& t
     const float gain = static_cast<float>(0.9 / largest);
     save_enlarged(stem + "-table.png", scale(measured[i], gain));
     save_enlarged(stem + "-fit.png", scale(fitted[i], gain));
+    save_enlarged(stem + "-blend.png", scale(blended[i], gain));
     save_enlarged(stem + "-difference.png",
                   scale(absolute_difference(measured[i], fitted[i]), difference_gain * gain));
     gains.push_back(gain);
@@ -84,6 +88,7 @@ std::vector<std::string> commands_of(const PipelineSample& sample, const Pipelin
   if (!sample.source.empty())
     lines.push_back(fmt::format("parian simulate {} -o {}", shorten(sample.source), table));
   lines.push_back(fmt::format("parian fit {0} -o {1}map.h5 --json {1}fit.json", table, stem));
+  lines.push_back(fmt::format("parian compress {0} -o {1}blend.kbm", table, stem));
   std::string plots;
   for (const PlotPixel& pixel : result.plotted)
     plots += fmt::format(" --plot {},{}", pixel.x, pixel.y);
@@ -97,8 +102,23 @@ std::vector<std::string> commands_of(const PipelineSample& sample, const Pipelin
                                 light_names[i]));
     lines.push_back(fmt::format("parian relight {0}map.h5 --like {1} {2} -o {0}{3}-fit.png", stem,
                                 table, light, light_names[i]));
+    lines.push_back(fmt::format("parian relight {0}blend.kbm --like {1} {2} -o {0}{3}-blend.png",
+                                stem, table, light, light_names[i]));
   }
   return lines;
+}
+
+// As `parian compress TABLE` does by default.
+ProfileBlend make_packed_blend(const PipelineSample& sample, const SliceSource& table,
+                               const ProfileMap& map, const Progress& progress,
+                               CompressReport& report) {
+  CompressParams params;
+  params.weight_levels = default_weight_levels;
+  params.profile_step = default_profile_step;
+  ProfileBlend blend = compress_profiles(map, &table, params, progress, &report);
+  blend.provenance = make_blend_provenance(sample.table, map.provenance, params);
+  save_blend(path_of(sample, "blend.kbm"), blend, BlendEncoding::packed);
+  return blend;
 }
 
 }  // namespace
@@ -121,7 +141,11 @@ PipelineResult run_pipeline(const PipelineSample& sample, const Progress& progre
   result.errors.bytes_material = std::filesystem::file_size(map_path);
   save_document(path_of(sample, "errors.json"), to_document(result.errors));
   save_image(path_of(sample, "errors.png"), draw_errors(result.errors.error_image));
-  result.light_gains = save_relit(sample, *table, *model, progress);
+  const Material blend = make_packed_blend(sample, *table, map, progress, result.compress);
+  const std::unique_ptr<SliceSource> blended = make_slices(blend, table->header());
+  result.blend_errors = compare(*table, *blended, map.hold_out, progress);
+  result.blend_errors.bytes_material = std::filesystem::file_size(path_of(sample, "blend.kbm"));
+  result.light_gains = save_relit(sample, *table, *model, *blended, progress);
   result.plotted = {{map.width / 4, map.height / 4},
                     {map.width / 2, map.height / 2},
                     {3 * map.width / 4, map.height / 2}};
@@ -138,6 +162,7 @@ std::string describe_pipeline(const PipelineSample& sample, const PipelineResult
     const std::string stem = sample.name + "-" + name;
     pictures.push_back({{stem + "-table.png", name + " light, table"},
                         {stem + "-fit.png", name + " light, fit"},
+                        {stem + "-blend.png", name + " light, blend"},
                         {stem + "-difference.png", name + " light, difference"}});
   }
   std::vector<HtmlFigure> plots;
@@ -149,10 +174,11 @@ std::string describe_pipeline(const PipelineSample& sample, const PipelineResult
   std::string text = html_heading(sample.title) + html_paragraph(sample.caption);
   text += html_paragraph(fmt::format(
       "The flat sample under three lights: as the table gives it, as the fitted profiles give it, "
-      "and {} times their difference. Table and fit are shown with the same gain.",
+      "as a blend of 128 base profiles gives it, two at each pixel, and {} times the difference of "
+      "table and fit. All are shown with the same gain.",
       difference_gain));
-  text += html_picture_table({"table", "fit", fmt::format("difference × {}", difference_gain)},
-                             rows, pictures);
+  text += html_picture_table(
+      {"table", "fit", "blend", fmt::format("difference × {}", difference_gain)}, rows, pictures);
   text += html_paragraph(
       "The table's values and the model's at the same pairs of points, and the profile of the "
       "point "
@@ -184,10 +210,16 @@ std::vector<std::vector<std::string>> tabulate(const std::vector<PipelineSample>
                                              {"SSIM, line"},
                                              {"table"},
                                              {"profile map"},
-                                             {"time to fit"}};
+                                             {"time to fit"},
+                                             {"profile blend"},
+                                             {"its relative error, mean"},
+                                             {"its albedo error, mean"},
+                                             {"its PSNR, uniform light"},
+                                             {"time to compress"}};
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const CompareReport& errors = results[i].errors;
     const FitReport& fit = results[i].fit;
+    const CompareReport& blend = results[i].blend_errors;
     const std::vector<std::string> cells{
         samples[i].title,
         fmt::format("{}", results[i].knots),
@@ -204,7 +236,12 @@ std::vector<std::vector<std::string>> tabulate(const std::vector<PipelineSample>
         fmt::format("{:.5f}", errors.ssim.line),
         fmt::format("{:.1f} MB", 1e-6 * static_cast<double>(errors.bytes_table)),
         fmt::format("{:.1f} MB", 1e-6 * static_cast<double>(errors.bytes_material)),
-        fmt::format("{:.2f} s", fit.seconds_stream + fit.seconds_solve + fit.seconds_monotone)};
+        fmt::format("{:.2f} s", fit.seconds_stream + fit.seconds_solve + fit.seconds_monotone),
+        fmt::format("{:.0f} kB", 1e-3 * static_cast<double>(blend.bytes_material)),
+        percent(blend.relative_error.mean),
+        percent(blend.albedo_error_mean),
+        fmt::format("{:.1f} dB", blend.psnr_db.uniform),
+        fmt::format("{:.1f} s", results[i].compress.seconds)};
     for (std::size_t k = 0; k < rows.size(); ++k) rows[k].push_back(cells[k]);
   }
   return rows;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "compress/compress.h"
 #include "fit/fit.h"
 #include "judge/compare.h"
 #include "judge/plot.h"
@@ -23,14 +24,16 @@ struct PipelineSample {
 
 struct PipelineResult {
   FitReport fit;
-  CompareReport errors;
+  CompareReport errors;  // of the map
+  CompressReport compress;
+  CompareReport blend_errors;
   std::size_t knots = 0;
   std::vector<PlotPixel> plotted;
   std::vector<float> light_gains;  // what uniform, disc and line pictures were multiplied by
 };
 
-// Writes NAME-map.h5, -fit.json, -errors.json, -errors.png, -LIGHT-{table,fit,difference}.png and
-// -profile-{1,2,3}.png into the folder.
+// Writes NAME-map.h5, -blend.kbm, -fit.json, -errors.json, -errors.png,
+// -LIGHT-{table,fit,blend,difference}.png and -profile-{1,2,3}.png into the folder.
 PipelineResult run_pipeline(const PipelineSample& sample, const Progress& progress);
 
 // HTML of those files.
