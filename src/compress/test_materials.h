@@ -12,8 +12,8 @@ namespace parian {
 // Exponential profiles whose albedo and range vary smoothly over the sample and jump once, with
 // noise: no two pixels are alike.
 inline ProfileMap make_test_map(int width = 14, int height = 12, int channels = 3, int knots = 6) {
-  std::vector<double> knots_mm;
-  for (int k = 0; k < knots; ++k) knots_mm.push_back(0.5 * k);
+  std::vector<double> knots_mm(static_cast<std::size_t>(knots));
+  for (std::size_t k = 0; k < knots_mm.size(); ++k) knots_mm[k] = 0.5 * static_cast<double>(k);
   ProfileMap map = make_profile_map(width, height, channels, 0.5, knots_mm);
   Rng rng = make_rng(5);
   for (int y = 0; y < height; ++y)
