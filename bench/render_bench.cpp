@@ -10,22 +10,17 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <numeric>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "bench/common/assets.h"
 #include "fit/fit.h"
 #include "io/hdf5/table_file.h"
-#include "io/image/image_file.h"
-#include "io/mesh/mesh_file.h"
-#include "mesh/shapes.h"
 #include "mesh/surface_samples.h"
 #include "render/render.h"
-#include "scene/environment.h"
 #include "scene/mapping.h"
 #include "transport/irradiance.h"
 #include "transport/moment_tree.h"
@@ -37,35 +32,6 @@ constexpr double size_mm = 80;
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-std::string assets_folder() {
-  if (const char* cache = std::getenv("PARIAN_CACHE")) return std::string(cache) + "/assets/";
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"))
-    return std::string(cache) + "/parian/assets/";
-  const char* home = std::getenv("HOME");
-  return std::string(home == nullptr ? "" : home) + "/.cache/parian/assets/";
-}
-
-TriangleMesh make_mesh(const std::string& file, int detail) {
-  const std::string path = assets_folder() + file;
-  TriangleMesh mesh;
-  if (std::filesystem::exists(path)) {
-    mesh = load_mesh(path);
-  } else {
-    fmt::print("{} is not there (./run assets fetches it): the built-in knot instead\n", file);
-    mesh = make_knot(detail);
-  }
-  fit_to_size(mesh, size_mm);
-  return mesh;
-}
-
-EnvironmentLight make_environment() {
-  EnvironmentLight light;
-  const std::string path = assets_folder() + "sunset.exr";
-  light.image = std::filesystem::exists(path) ? make_environment_image(load_image(path), path)
-                                              : make_sky_image();
-  return light;
 }
 
 ProfileMap make_stone() {
@@ -94,7 +60,7 @@ GatherSources make_sources(const TriangleMesh& mesh, const ProfileField& field, 
   const RayTracer tracer(mesh);
   IrradianceParams params;
   params.rays = rays;
-  const std::vector<Rgb> irradiance = compute_irradiance(samples.points, {make_environment()},
+  const std::vector<Rgb> irradiance = compute_irradiance(samples.points, {make_bench_environment()},
                                                          tracer, field.boundary, field.eta, params);
   GatherSources sources;
   sources.area_mm2 = samples.area_mm2;
@@ -108,7 +74,7 @@ GatherSources make_sources(const TriangleMesh& mesh, const ProfileField& field, 
 Problem make_problem(int samples) {
   Problem problem;
   problem.field = make_profile_field(make_stone());
-  problem.mesh = make_mesh("dragon-100250.ply", 2);
+  problem.mesh = make_bench_mesh("dragon-100250.ply", 2, size_mm);
   problem.sources = make_sources(problem.mesh, problem.field, samples, 32);
   problem.near_mm = default_near_mm(problem.sources.area_mm2);
   for (std::size_t v = 0; v < problem.mesh.positions.size(); ++v) {
@@ -273,11 +239,11 @@ void bench_scaling() {
 void bench_picture(const std::string& file, int detail) {
   Scene scene;
   const double start = now();
-  scene.mesh = make_mesh(file, detail);
+  scene.mesh = make_bench_mesh(file, detail, size_mm);
   scene.mesh_name = file;
   const double loading = now() - start;
   scene.material = Material(make_stone());
-  scene.lights = {make_environment()};
+  scene.lights = {make_bench_environment()};
   const Bounds3 box = bounds(scene.mesh);
   scene.camera.target = center(box);
   scene.camera.position = center(box) + Vec3{0.3f, 0.35f, 1} * (1.9f * static_cast<float>(size_mm));

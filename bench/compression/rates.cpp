@@ -65,9 +65,6 @@ std::vector<Curve> measure(const Sample& sample) {
   std::vector<Curve> curves;
   curves.push_back(blend_curve(sample, true, {0.75f, 0.05f, 0.03f}));
   curves.push_back(blend_curve(sample, false, {0.9f, 0.4f, 0.1f}));
-  Curve map{"SubEdit map", {0, 0, 0}, {}};
-  map.points.push_back({4 * sample.map.log_profile.size(), judge(sample, sample.map)});
-  curves.push_back(map);
   const auto with_seed = [](auto compress) {
     return [compress](const BssrdfTable& table, std::size_t bytes) {
       return compress(table, bytes, 1);
@@ -83,6 +80,9 @@ std::vector<Curve> measure(const Sample& sample) {
   curves.push_back(
       rival_curve(sample, "SVD", {0.1f, 0.5f, 0.55f}, with_seed(compress_truncated_svd)));
   curves.push_back(rival_curve(sample, "Tucker", {0.35f, 0.3f, 0.05f}, with_seed(compress_tucker)));
+  Curve map{"SubEdit map", {0, 0, 0}, {}};
+  map.points.push_back({4 * sample.map.log_profile.size(), judge(sample, sample.map)});
+  curves.push_back(map);
   return curves;
 }
 

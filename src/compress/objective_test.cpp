@@ -218,6 +218,7 @@ std::vector<ReducedSystem> make_systems(const ProfileMap& map, const SliceSource
   params.knots_mm = map.knots_mm;
   params.lambda = 0;
   std::vector<ReducedSystem> systems;
+  systems.reserve(static_cast<std::size_t>(map.channels));
   for (int c = 0; c < map.channels; ++c) systems.push_back(make_reduced_system(table, c, params));
   return systems;
 }
