@@ -15,11 +15,11 @@ struct PaperRun {
   CompareReport errors;
 };
 
-// All 20 iterations, or the first `iterations`.
-PaperRun run_paper(const Sample& sample, int per_pixel, int iterations) {
+// All 20 iterations.
+PaperRun run_paper(const Sample& sample, int per_pixel) {
   KbmppParams params;
   params.per_pixel = per_pixel;
-  params.run_iterations = iterations;
+  if (per_pixel > 2) params.inner = 50;  // what its constraints need
   PaperRun run;
   run.blend = run_kbmpp(sample.table, sample.map.knots_mm, params, [&](const KbmppRound& round) {
     std::fprintf(stderr, "the paper's optimiser: iteration %d, %.1f s, energy %.6g\n",
@@ -61,11 +61,10 @@ std::vector<std::string> describe(const std::string& method, double seconds, dou
           fmt::format("{:.2f}", errors.psnr_db.uniform)};
 }
 
-void race(const Page& page, const std::string& name, int per_pixel, int iterations) {
+void race(const Page& page, const std::string& name, int per_pixel) {
   const Sample sample = load_sample(name);
-  const PaperRun paper = run_paper(sample, per_pixel, iterations);
-  const double scale = 20.0 / static_cast<double>(paper.rounds.size());
-  const double paper_seconds = paper.rounds.back().seconds * scale;
+  const PaperRun paper = run_paper(sample, per_pixel);
+  const double paper_seconds = paper.rounds.back().seconds;
   const double paper_energy = paper.rounds.back().energy;
   double end_energy = 0;
   const double reached = race_to(sample, per_pixel, paper_energy, &end_energy);
@@ -74,12 +73,8 @@ void race(const Page& page, const std::string& name, int per_pixel, int iteratio
   const Compressed ours = compress_sample(sample, make_params(128, per_pixel));
   MarkdownTable table{{"method", "s", "energy", "kB", "relative error", "albedo error", "PSNR dB"},
                       {}};
-  table.rows.push_back(describe(scale > 1 ? fmt::format("2019 paper, {} of 20 iterations, time "
-                                                        "scaled",
-                                                        paper.rounds.size())
-                                          : "2019 paper, 20 iterations",
-                                paper_seconds, paper_energy, paper.errors,
-                                paper_bytes(paper.blend)));
+  table.rows.push_back(describe("2019 paper, 20 iterations", paper_seconds, paper_energy,
+                                paper.errors, paper_bytes(paper.blend)));
   table.rows.push_back(describe("`--objective paper`", ours_paper.seconds, ours_paper.report.energy,
                                 ours_paper.errors, ours_paper.bytes));
   table.rows.push_back(describe("default", ours.seconds,
@@ -96,9 +91,9 @@ void race(const Page& page, const std::string& name, int per_pixel, int iteratio
 }  // namespace
 
 void study_race(const Page& page) {
-  race(page, "artificial-stone", 2, 20);
-  race(page, "chessboard", 2, 2);
-  race(page, "artificial-stone", 3, 2);
+  race(page, "artificial-stone", 2);
+  race(page, "chessboard", 2);
+  race(page, "artificial-stone", 3);
 }
 
 }  // namespace parian::compression

@@ -38,7 +38,7 @@ template <typename Vector>
   load(partner, other);
   load(y, target);
   const Lanes raw = own + other - target;
-  const Lanes e = target == target ? raw : zero;
+  const Lanes e = target == target ? raw : zero;  // NOLINT(misc-redundant-expression): NaN
   add_to(at, e);
   add_to(at_partner, e);
   squares += e * e;

@@ -7,6 +7,7 @@
 #include "base/check.h"
 
 // The library has no header: Fortran calling convention, lengths of strings last.
+// NOLINTNEXTLINE(readability-identifier-naming)
 extern "C" void setulb_(const int* n, const int* m, double* x, const double* lower,
                         const double* upper, const int* kind, double* f, double* gradient,
                         const double* factr, const double* pgtol, double* work, int* int_work,
