@@ -3,8 +3,11 @@
 //
 //   ./run bench blend
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <filesystem>
+#include <functional>
+#include <memory>
 
 #include "base/random.h"
 #include "bench/common/ratios.h"
@@ -91,6 +94,33 @@ void load_map_file(benchmark::State& state) {
   std::filesystem::remove(path);
 }
 
+// Bytes on the heap that what `make` returns keeps.
+double heap_bytes(const std::function<std::shared_ptr<void>()>& make) {
+  const auto in_use = [] {
+    const auto info = mallinfo2();
+    return static_cast<double>(info.uordblks + info.hblkhd);
+  };
+  const double before = in_use();
+  const std::shared_ptr<void> kept = make();
+  return in_use() - before;
+}
+
+// Of the material as loaded, and of what renderers make of it.
+void report_memory() {
+  const auto measure = [](const Material& material) {
+    return std::pair{
+        heap_bytes([&] { return std::make_shared<Material>(material); }),
+        heap_bytes([&] { return std::make_shared<ProfileField>(make_profile_field(material)); })};
+  };
+  const auto [map, map_field] = measure(map_material());
+  const auto [blend, blend_field] = measure(blend_material());
+  fmt::print("\n{:<24} {:>10} {:>10} {:>8}\n", "memory in MB", "map", "blend", "ratio");
+  fmt::print("{:<24} {:>10.3f} {:>10.3f} {:>8.1f}\n", "material", map / 1e6, blend / 1e6,
+             map / blend);
+  fmt::print("{:<24} {:>10.3f} {:>10.3f} {:>8.1f}\n", "renderers' field", map_field / 1e6,
+             blend_field / 1e6, map_field / blend_field);
+}
+
 }  // namespace
 }  // namespace parian
 
@@ -111,8 +141,12 @@ int main(int argc, char** argv) {
   benchmark::RegisterBenchmark("load/blend-packed", [](auto& state) {
     load_blend_file(state, BlendEncoding::packed);
   })->Unit(in_ms);
-  return run_benchmarks(argc, argv,
-                        {{"rows for renderers", "field/blend", "field/map", "<= 1.3"},
-                         {"slices", "slices/blend", "slices/map", "<= 1.3"},
-                         {"loading", "load/blend-packed", "load/map", ""}});
+  const int status =
+      run_benchmarks(argc, argv,
+                     {{"rows for renderers", "field/blend", "field/map", "<= 1.3"},
+                      {"slices", "slices/blend", "slices/map", "<= 1.3"},
+                      {"loading, paper encoding", "load/blend-paper", "load/map", "blend <= 5 ms"},
+                      {"loading, packed", "load/blend-packed", "load/map", "blend <= 5 ms"}});
+  if (status == 0) report_memory();
+  return status;
 }

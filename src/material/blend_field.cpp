@@ -81,29 +81,34 @@ void fill_pixels(const ProfileBlend& blend, BlendRows& rows) {
   });
 }
 
-void add_pixel(const BlendRows& rows, std::size_t pixel, float weight, float* half_log) {
+// The first `count` floats of the pixel's row.
+void add_pixel(const BlendRows& rows, std::size_t pixel, float weight, float* half_log,
+               std::size_t count) {
   for (std::size_t k = 0; k < rows.per_pixel; ++k) {
     const std::size_t at = pixel * rows.per_pixel + k;
     if (rows.weight[at] > 0)
       add_row(&rows.base_half_log[rows.index[at] * rows.row], weight * rows.weight[at], half_log,
-              rows.row);
+              count);
   }
 }
 
 // With the minimum decay beyond the last knot, where the mixture's slope is less.
 void add_bent_pixel(const BlendRows& rows, std::size_t pixel, float weight, float* half_log) {
-  std::vector<float> mixed(rows.row, 0.0f);
-  add_pixel(rows, pixel, 1, mixed.data());
+  add_pixel(rows, pixel, weight, half_log, 3 * rows.own_knots);
+  std::array<float, 6> ends{};  // the mixture's at the two last knots
   const std::size_t last = rows.own_knots - 1;
+  for (std::size_t k = 0; k < rows.per_pixel; ++k) {
+    const std::size_t at = pixel * rows.per_pixel + k;
+    add_row(&rows.base_half_log[rows.index[at] * rows.row + 3 * (last - 1)], rows.weight[at],
+            ends.data(), ends.size());
+  }
   const float end = rows.knots[last];
   for (std::size_t c = 0; c < 3; ++c) {
-    const float top = mixed[3 * last + c];
     const float slope = std::min(static_cast<float>(-0.5 * min_tail_decay) / end,
-                                 (top - mixed[3 * (last - 1) + c]) / (end - rows.knots[last - 1]));
+                                 (ends[3 + c] - ends[c]) / (end - rows.knots[last - 1]));
     for (std::size_t k = rows.own_knots; k < rows.knots.size(); ++k)
-      mixed[3 * k + c] = top + slope * (rows.knots[k] - end);
+      half_log[3 * k + c] += weight * (ends[3 + c] + slope * (rows.knots[k] - end));
   }
-  add_row(mixed.data(), weight, half_log, rows.row);
 }
 
 void eval_blend(const BlendRows& rows, int width, int height, double x, double y, float* half_log,
@@ -116,7 +121,7 @@ void eval_blend(const BlendRows& rows, int width, int height, double x, double y
     if (rows.bent[corner.pixel])
       add_bent_pixel(rows, corner.pixel, corner.weight, half_log);
     else
-      add_pixel(rows, corner.pixel, corner.weight, half_log);
+      add_pixel(rows, corner.pixel, corner.weight, half_log, rows.row);
     for (std::size_t c = 0; c < 3; ++c) {
       support[c] += corner.weight * rows.support[3 * corner.pixel + c];
       if (!rows.log_gain.empty()) shift[c] += corner.weight * rows.log_gain[3 * corner.pixel + c];

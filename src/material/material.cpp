@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "base/error.h"
+#include "base/parallel.h"
 #include "material/bssrdf_table.h"
 
 namespace parian {
@@ -83,12 +84,13 @@ class ModelSource : public SliceSource {
 
 template <typename Grid>
 double support_of(const Grid& map) {
-  double support = 0;
-  for (int c = 0; c < map.channels; ++c)
-    for (int y = 0; y < map.height; ++y)
+  std::vector<double> rows(static_cast<std::size_t>(map.height), 0.0);
+  parallel_for(rows.size(), [&](std::size_t y) {
+    for (int c = 0; c < map.channels; ++c)
       for (int x = 0; x < map.width; ++x)
-        support = std::max(support, get_profile(map, c, x, y).support_mm);
-  return support;
+        rows[y] = std::max(rows[y], get_profile(map, c, x, static_cast<int>(y)).support_mm);
+  });
+  return rows.empty() ? 0 : *std::max_element(rows.begin(), rows.end());
 }
 
 double support_of(const Dipole& dipole) {

@@ -131,7 +131,7 @@ CommandSpec make_compare_command() {
   command.summary = "report a material's errors against a table";
   command.example = "parian compare stone.h5 stone-map.h5 --json report.json --plot 20,30";
   command.positionals = {{"TABLE.h5", "what was measured", &options->table},
-                         {"MATERIAL", "profile map, or a second table", &options->material}};
+                         {"MATERIAL", "profile map, blend, or a second table", &options->material}};
   command.flags = {
       {"error-image", 0, "IMAGE", "relative error per pixel: false colours, or values in EXR",
        &options->error_image},

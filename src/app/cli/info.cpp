@@ -285,6 +285,8 @@ Document describe_file(const std::string& path, const Context& context) {
 // Documents as aligned lines, "name  value"; nested ones as JSON.
 std::string format_lines(const Document& figures) {
   std::string text;
+  std::size_t width = 16;
+  for (const auto& [key, value] : as_object(figures)) width = std::max(width, key.size());
   for (const auto& [key, value] : as_object(figures)) {
     const auto* string = std::get_if<std::string>(&value.value);
     std::string shown = string ? *string : format_document(value);
@@ -294,7 +296,7 @@ std::string format_lines(const Document& figures) {
                               [](char a, char b) { return a == ' ' && b == ' '; }),
                   shown.end());
     }
-    text += fmt::format("{:<16} {}\n", key, shown);
+    text += fmt::format("{:<{}} {}\n", key, width, shown);
   }
   return text;
 }
@@ -308,7 +310,8 @@ CommandSpec make_info_command() {
   command.summary = "say what a file is: sizes, statistics, provenance";
   command.example = "parian info stone.h5";
   command.positionals = {
-      {"FILE", "table, profile map, image, mesh, or description of a sample or scene", file.get()}};
+      {"FILE", "table, profile map, blend, image, mesh, or description of a sample or scene",
+       file.get()}};
   command.has_figures = true;
   command.run = [file](const Context& context) {
     check_figures(context);

@@ -64,7 +64,7 @@ CommandSpec make_reconstruct_command() {
   command.name = "reconstruct";
   command.summary = "write a material as a table, at the offsets of another";
   command.example = "parian reconstruct stone-map.h5 --like stone.h5 -o stone-again.h5";
-  command.positionals = {{"MATERIAL", "profile map", &options->material}};
+  command.positionals = {{"MATERIAL", "profile map or blend", &options->material}};
   command.flags = {
       {"output", 'o', "TABLE.h5", "table to write", &options->output, /*required=*/true},
       {"like", 0, "TABLE.h5", "table with the grid and offsets", &options->like,

@@ -79,7 +79,7 @@ CommandSpec make_relight_command() {
   command.name = "relight";
   command.summary = "light a flat sample, measured or modelled";
   command.example = "parian relight stone-map.h5 --light disc -o stone-disc.png --exposure 1";
-  command.positionals = {{"MATERIAL|TABLE", "profile map or table", &options->input}};
+  command.positionals = {{"MATERIAL|TABLE", "profile map, blend or table", &options->input}};
   command.flags = {
       {"output", 'o', "IMAGE", "image to write: .png, .exr or .hdr", &options->output,
        /*required=*/true},
