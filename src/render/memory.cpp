@@ -22,10 +22,17 @@ struct ProfileSizes {
   std::size_t knots = resampled_knots;
 };
 
+template <typename Grid>
+ProfileSizes sizes_of(const Grid& grid) {
+  return {grid.pixels(), grid.dilation.empty() ? grid.knots_mm.size() + 16 : resampled_knots};
+}
+ProfileSizes sizes_of(const Dipole&) {
+  return {};
+}
+
+// Of a blend more than it takes, as it keeps bases instead of a row for each pixel.
 ProfileSizes profile_sizes(const Material& material) {
-  const auto* map = std::get_if<ProfileMap>(&material);
-  if (!map) return {};
-  return {map->pixels(), map->dilation.empty() ? map->knots_mm.size() + 16 : resampled_knots};
+  return std::visit([](const auto& model) { return sizes_of(model); }, material);
 }
 
 std::size_t material_bytes(const Material& material, std::size_t samples, GatherMethod method) {

@@ -72,6 +72,23 @@ TEST(render_errors, memory_is_estimated_before_it_is_needed) {
   }
 }
 
+// The estimate for a blend is that of the map that it stands for: never too low.
+TEST(render_errors, memory_of_a_blend_counts_its_pixels) {
+  const ProfileMap map = make_uniform_map(0.7, 0.8);
+  ProfileBlend blend;
+  blend.width = map.width;
+  blend.height = map.height;
+  blend.per_pixel = 1;
+  blend.knots_mm = map.knots_mm;
+  blend.index.assign(map.pixels(), 0);
+  Scene scene = make_scene(make_sphere(3), 20, Material(map));
+  RenderParams params;
+  params.method = GatherMethod::brute;
+  const std::size_t expected = estimate_memory(scene, params);
+  scene.material = Material(blend);
+  EXPECT_EQ(estimate_memory(scene, params), expected);
+}
+
 TEST(render_errors, stops_when_asked) {
   Scene scene = make_scene(make_sphere(3), 20, Material(make_uniform_map(0.7, 0.8)), 8, 70);
   for (const char* stage : {"looking", "shading"}) {
