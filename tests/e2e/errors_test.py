@@ -31,7 +31,7 @@ class Usage(program.ProgramTest):
         self.assertIn("simulate", errors)
 
     def test_unknown_names_get_the_nearest(self):
-        self.fail_with(2, "expected a command: 'simulate', 'fit', 'reconstruct', 'compare', "
+        self.fail_with(2, "expected a command: 'simulate', 'fit', 'compress', 'reconstruct', 'compare', "
                        "'relight', 'render', 'info' or 'demo', found 'relit' (did you mean 'relight'?)",
                        "relit", "x")
         self.fail_with(2, "expected a flag of 'parian fit', found '--segmants' "

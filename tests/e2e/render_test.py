@@ -167,10 +167,10 @@ class Render(program.ProgramTest):
     def test_materials_of_another_kind(self):
         self.succeed("render", "scene.json", "-o", "picture.png", *QUICK)
         self.assertEqual(self.fails_with_scene(material={"file": "picture.png"}),
-                         "parian: error: picture.png: expected a profile map or a table, found an "
+                         "parian: error: picture.png: expected a profile map, a blend or a table, found an "
                          "image")
         self.assertEqual(self.fails_with_scene(material={"file": "sample.json"}),
-                         "parian: error: sample.json: expected a profile map or a table, found a "
+                         "parian: error: sample.json: expected a profile map, a blend or a table, found a "
                          "JSON file")
         with h5py.File(self.folder / "other.h5", "w") as file:
             file.attrs["format"] = "something-else"
