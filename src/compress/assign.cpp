@@ -11,8 +11,8 @@
 namespace parian {
 namespace {
 
-constexpr std::size_t nearest_starts = 6;  // bases whose segments to all others are screened
-constexpr std::size_t kept = 8;            // screened candidates that are decided exactly
+constexpr std::size_t nearest_starts = 3;  // bases whose segments to all others are screened
+constexpr std::size_t kept = 5;            // screened candidates that are decided exactly
 constexpr float huge = 1e30f;
 
 using Set = std::array<std::uint16_t, max_corners>;
