@@ -19,7 +19,7 @@ struct CompressParams {
   int bases = 128;    // M
   int per_pixel = 2;  // K
   Objective objective = Objective::balanced;
-  int rounds = 12;          // at most, for each number of bases per pixel
+  int rounds = 10;          // at most, for each number of bases per pixel
   double tolerance = 1e-3;  // ends the rounds that lower the objective by less than this part
   int weight_levels = 0;    // weights become multiples of 1 / levels; 0: any
   double profile_step = 0;  // ln P becomes a multiple of it; 0: any
