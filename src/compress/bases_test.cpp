@@ -6,7 +6,7 @@
 
 #include "base/random.h"
 #include "compress/assign.h"
-#include "fit/monotone.h"
+#include "math/isotonic.h"
 
 namespace parian {
 namespace {

@@ -6,16 +6,12 @@
 #include <map>
 
 #include "base/parallel.h"
+#include "math/isotonic.h"
 
 namespace parian {
 namespace {
 
 constexpr std::size_t pixel_block = 1024;
-
-struct Pool {
-  double sum = 0, weight = 0;
-  std::size_t count = 0;
-};
 
 // A distance at which pairs lie, and how many ordered pairs of a pixel do.
 struct Ring {
@@ -59,27 +55,6 @@ std::vector<double> pair_weights_of_knots(const ReducedSystem& system) {
 }
 
 }  // namespace
-
-bool make_non_increasing(std::vector<double>& values, const std::vector<double>& weights) {
-  if (std::is_sorted(values.rbegin(), values.rend())) return false;
-  std::vector<Pool> pools;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    pools.push_back({values[k] * weights[k], weights[k], 1});
-    while (pools.size() > 1) {
-      const Pool last = pools.back();
-      Pool& before = pools[pools.size() - 2];
-      if (before.sum * last.weight >= last.sum * before.weight) break;
-      before = {before.sum + last.sum, before.weight + last.weight, before.count + last.count};
-      pools.pop_back();
-    }
-  }
-  std::size_t k = 0;
-  for (const Pool& pool : pools)
-    for (std::size_t i = 0; i < pool.count; ++i) values[k++] = pool.sum / pool.weight;
-  // Quotients of neighbouring pools may round to a rise of one unit in the last place.
-  for (k = 1; k < values.size(); ++k) values[k] = std::min(values[k], values[k - 1]);
-  return true;
-}
 
 std::size_t project_monotone(const ReducedSystem& system, std::vector<double>& p) {
   const std::size_t pixels = system.pixels(), knots = system.knots();

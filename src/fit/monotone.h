@@ -8,10 +8,6 @@
 
 namespace parian {
 
-// Least-squares non-increasing fit to `values` with positive `weights` (pool adjacent violators).
-// Returns whether anything changed.
-bool make_non_increasing(std::vector<double>& values, const std::vector<double>& weights);
-
 // Projects each rising profile, weighting a knot by how many pairs see it (sum of m c_k^2), and
 // shifts it so that the sum of P over a pixel's pairs stays: its albedo as the table samples it.
 // (The integral of P r dr would count knots that no pair sees.) Returns how many were touched.
