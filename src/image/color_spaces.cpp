@@ -1,0 +1,105 @@
+#include "image/color_spaces.h"
+
+#include <cmath>
+
+namespace parian {
+namespace {
+
+using Matrix = std::array<Color, 3>;
+
+constexpr Color multiply(const Matrix& m, const Color& v) {
+  Color product{};
+  for (std::size_t i = 0; i < 3; ++i) product[i] = m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2];
+  return product;
+}
+
+constexpr Matrix invert(const Matrix& m) {
+  const auto minor = [&](std::size_t i, std::size_t j) {
+    const std::size_t a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+    return m[a][c] * m[b][d] - m[a][d] * m[b][c];
+  };
+  const double determinant = m[0][0] * minor(0, 0) + m[0][1] * minor(0, 1) + m[0][2] * minor(0, 2);
+  Matrix inverse{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) inverse[j][i] = minor(i, j) / determinant;
+  return inverse;
+}
+
+// Rec. 709 primaries and D65, x = 0.3127, y = 0.3290.
+constexpr Matrix xyz_from_linear{{{0.4123907992659595, 0.3575843393838780, 0.1804807884018343},
+                                  {0.2126390058715104, 0.7151686787677559, 0.0721923153607337},
+                                  {0.0193308187155918, 0.1191947797946259, 0.9505321522496608}}};
+constexpr Matrix linear_from_xyz = invert(xyz_from_linear);
+
+// OKLab: cone responses from linear Rec. 709, and L, a, b from their cube roots.
+constexpr Matrix cones_from_linear{{{0.4122214708, 0.5363325363, 0.0514459929},
+                                    {0.2119034982, 0.6806995451, 0.1073969566},
+                                    {0.0883024619, 0.2817188376, 0.6299787005}}};
+constexpr Matrix linear_from_cones = invert(cones_from_linear);
+constexpr Matrix oklab_from_roots{{{0.2104542553, 0.7936177850, -0.0040720468},
+                                   {1.9779984951, -2.4285922050, 0.4505937099},
+                                   {0.0259040371, 0.7827717662, -0.8086757660}}};
+constexpr Matrix roots_from_oklab = invert(oklab_from_roots);
+
+const Color white = multiply(xyz_from_linear, {1, 1, 1});
+
+// CIE 15: the cube root, linear below (6/29)^3, and so also for negative values.
+double lab_curve(double t) {
+  constexpr double d = 6.0 / 29;
+  return t > d * d * d ? std::cbrt(t) : t / (3 * d * d) + 4.0 / 29;
+}
+
+double inverse_lab_curve(double f) {
+  constexpr double d = 6.0 / 29;
+  return f > d ? f * f * f : 3 * d * d * (f - 4.0 / 29);
+}
+
+}  // namespace
+
+Color linear_to_xyz(const Color& rgb) {
+  return multiply(xyz_from_linear, rgb);
+}
+
+Color xyz_to_linear(const Color& xyz) {
+  return multiply(linear_from_xyz, xyz);
+}
+
+Color linear_to_lab(const Color& rgb) {
+  const Color xyz = linear_to_xyz(rgb);
+  const double x = lab_curve(xyz[0] / white[0]), y = lab_curve(xyz[1] / white[1]),
+               z = lab_curve(xyz[2] / white[2]);
+  return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
+}
+
+Color lab_to_linear(const Color& lab) {
+  const double y = (lab[0] + 16) / 116, x = y + lab[1] / 500, z = y - lab[2] / 200;
+  return xyz_to_linear({white[0] * inverse_lab_curve(x), white[1] * inverse_lab_curve(y),
+                        white[2] * inverse_lab_curve(z)});
+}
+
+double delta_e76(const Color& a, const Color& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+Color linear_to_oklab(const Color& rgb) {
+  const Color cones = multiply(cones_from_linear, rgb);
+  return multiply(oklab_from_roots,
+                  {std::cbrt(cones[0]), std::cbrt(cones[1]), std::cbrt(cones[2])});
+}
+
+Color oklab_to_linear(const Color& oklab) {
+  Color roots = multiply(roots_from_oklab, oklab);
+  for (double& root : roots) root = root * root * root;
+  return multiply(linear_from_cones, roots);
+}
+
+Color oklab_to_oklch(const Color& oklab) {
+  const double chroma = std::hypot(oklab[1], oklab[2]);
+  return {oklab[0], chroma, chroma > 1e-9 ? std::atan2(oklab[2], oklab[1]) : 0};
+}
+
+Color oklch_to_oklab(const Color& oklch) {
+  return {oklch[0], oklch[1] * std::cos(oklch[2]), oklch[1] * std::sin(oklch[2])};
+}
+
+}  // namespace parian

@@ -1,0 +1,49 @@
+#include "image/color_spaces.h"
+
+#include <gtest/gtest.h>
+
+#include "base/random.h"
+
+namespace parian {
+namespace {
+
+void expect_near(const Color& a, const Color& b, double tolerance) {
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], tolerance);
+}
+
+TEST(ColorSpaces, ReferenceColours) {
+  expect_near(linear_to_xyz({1, 1, 1}), {0.9505, 1.0, 1.0891}, 1e-4);
+  expect_near(linear_to_lab({1, 1, 1}), {100, 0, 0}, 1e-9);
+  expect_near(linear_to_lab({0, 0, 0}), {0, 0, 0}, 1e-9);
+  expect_near(linear_to_lab({1, 0, 0}), {53.24, 80.09, 67.20}, 0.02);
+  expect_near(linear_to_lab({0, 1, 0}), {87.73, -86.18, 83.18}, 0.02);
+  expect_near(linear_to_lab({0, 0, 1}), {32.30, 79.19, -107.86}, 0.02);
+  expect_near(linear_to_oklab({1, 1, 1}), {1, 0, 0}, 1e-6);
+  expect_near(linear_to_oklab({1, 0, 0}), {0.62796, 0.22486, 0.12585}, 1e-4);
+  EXPECT_NEAR(delta_e76({50, 1, 2}, {53, 5, 2}), 5, 1e-12);
+}
+
+TEST(ColorSpaces, RoundTripsAlsoOutsideTheGamut) {
+  Rng rng = make_rng(1);
+  for (int i = 0; i < 500; ++i) {
+    Color rgb;
+    for (double& value : rgb) value = 4 * sample_uniform(rng) - 1;
+    expect_near(xyz_to_linear(linear_to_xyz(rgb)), rgb, 1e-12);
+    expect_near(lab_to_linear(linear_to_lab(rgb)), rgb, 1e-10);
+    const Color oklab = linear_to_oklab(rgb);
+    expect_near(oklab_to_linear(oklab), rgb, 1e-10);
+    expect_near(oklch_to_oklab(oklab_to_oklch(oklab)), oklab, 1e-12);
+  }
+}
+
+TEST(ColorSpaces, GreysHaveNoChroma) {
+  for (double grey : {0.001, 0.18, 0.5, 2.0}) {
+    EXPECT_NEAR(oklab_to_oklch(linear_to_oklab({grey, grey, grey}))[1], 0, 1e-7);
+    const Color lab = linear_to_lab({grey, grey, grey});
+    EXPECT_NEAR(lab[1], 0, 1e-9);
+    EXPECT_NEAR(lab[2], 0, 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace parian
