@@ -1,0 +1,210 @@
+#include "edit/blend.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/check.h"
+#include "base/parallel.h"
+#include "edit/reshape.h"
+#include "edit/shape_kernels.h"
+
+namespace parian {
+namespace {
+
+constexpr std::size_t block = 4096;
+
+// What a block mixes in, lane by lane: rows on the state's knots, and their own albedo and range.
+struct Source {
+  AlignedVector<float> rows;
+  alignas(64) double albedo[shape_lanes];
+  alignas(64) double range_mm[shape_lanes];
+};
+
+// Tail slope and support of rows, as the kernels want them.
+struct Tails {
+  alignas(64) float slope[shape_lanes];
+  alignas(64) float support[shape_lanes];
+};
+
+Tails find_tails(const KnotTable& knots, const float* rows) {
+  Tails tails;
+  const std::size_t n = knots.radius.size() - 1;
+  const float last = knots.radius_float[n], length = last - knots.radius_float[n - 1];
+  const auto least = static_cast<float>(-min_tail_decay / knots.radius[n]);
+  for (std::size_t i = 0; i < shape_lanes; ++i) {
+    float top = rows[i];
+    for (std::size_t k = 1; k <= n; ++k) top = std::max(top, rows[k * shape_lanes + i]);
+    const float end = rows[n * shape_lanes + i];
+    const float level = top - 9.2103404f;  // ln of support_threshold
+    tails.slope[i] = std::min(least, (end - rows[(n - 1) * shape_lanes + i]) / length);
+    const float crossing = end > level ? last + (level - end) / tails.slope[i] : last;
+    // A little more, so that rounding never cuts off the last knot.
+    tails.support[i] = 1.00001f * std::min(crossing, static_cast<float>(support_limit) * last);
+  }
+  return tails;
+}
+
+ShapeRows view(const KnotTable& knots, const float* rows, const Tails& tails) {
+  return {.value = rows,
+          .radius = knots.radius_float.data(),
+          .segment_of_bin = knots.segment_of_bin.data(),
+          .tail_slope = tails.slope,
+          .support = tails.support,
+          .bins_per_mm = knots.bins_per_mm,
+          .knots = static_cast<int>(knots.radius.size())};
+}
+
+// S' = (1 - w) S_d + w S_s at u = r_k / alpha', 1 / alpha' = (1 - w) / alpha_d + w / alpha_s: the
+// knots of the mixture lie between those of both, in units of the range.
+void mix_shapes(const KnotTable& knots, const ShapeBlock& target, const Source& source,
+                double amount, float* rows) {
+  alignas(64) float weight[shape_lanes], target_scale[shape_lanes], source_scale[shape_lanes],
+      target_shift[shape_lanes], source_shift[shape_lanes], a[shape_lanes], b[shape_lanes];
+  for (std::size_t i = 0; i < shape_lanes; ++i) {
+    const double w = amount * static_cast<double>(target.amount[i]);
+    const double inverse = (1 - w) / target.range_mm[i] + w / source.range_mm[i];
+    weight[i] = static_cast<float>(w);
+    target_scale[i] = static_cast<float>(target.range_mm[i] * inverse);
+    source_scale[i] = static_cast<float>(source.range_mm[i] * inverse);
+    const auto log_of = [](double range, double albedo) {
+      return static_cast<float>(std::log(range * range / albedo));
+    };
+    target_shift[i] = log_of(target.range_mm[i], target.albedo[i]);
+    source_shift[i] = log_of(source.range_mm[i], source.albedo[i]);
+  }
+  const Tails target_tails = find_tails(knots, target.rows),
+              source_tails = find_tails(knots, source.rows.data());
+  const ShapeRows from_target = view(knots, target.rows, target_tails),
+                  from_source = view(knots, source.rows.data(), source_tails);
+  for (std::size_t k = 0; k < knots.radius.size(); ++k) {
+    float* row = rows + k * shape_lanes;
+    sample_shapes(&from_target, knots.radius_float[k], target_scale, a);
+    sample_shapes(&from_source, knots.radius_float[k], source_scale, b);
+    mix_shape_rows(a, target_shift, b, source_shift, weight, row);
+    for (std::size_t i = 0; i < shape_lanes; ++i)
+      if (weight[i] == 1) row[i] = source.rows[k * shape_lanes + i];
+  }
+}
+
+// before + amount mask (source - before)
+template <typename Get>
+Plane mix_planes(const EditState& state, const Plane& before, const Mask& mask, double amount,
+                 const Get& source) {
+  Plane mixed(before.size());
+  const std::size_t pixels = state.pixels();
+  parallel_for_blocks(before.size(), block, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const double w = amount * static_cast<double>(mask.weight[i % pixels]);
+      mixed[i] = (1 - w) * before[i] + w * source(i);
+      if (w == 0) mixed[i] = before[i];
+    }
+  });
+  return mixed;
+}
+
+// get_albedo(i), get_range(i): the source's properties for value i; fill(block, Source&).
+template <typename GetAlbedo, typename GetRange, typename Fill>
+void blend(const BlendAmounts& amounts, EditState& state, const Mask& mask, EditReport& report,
+           const GetAlbedo& get_albedo, const GetRange& get_range, const Fill& fill) {
+  PARIAN_CHECK_EQ(mask.weight.size(), state.pixels());
+  if (amounts.albedo > 0) {
+    const Plane before = albedo_plane(state);
+    set_albedo(state, before, mix_planes(state, before, mask, amounts.albedo, get_albedo), report);
+  }
+  if (amounts.range > 0) {
+    const Plane before = range_plane(state);
+    set_range(state, before, mix_planes(state, before, mask, amounts.range, get_range), report);
+  }
+  if (!(amounts.shape > 0)) return;
+  const KnotTable knots = make_knot_table(state.knots_mm);
+  reshape(state, mask.weight, albedo_plane(state), range_plane(state),
+          [&](const ShapeBlock& target, float* rows) {
+            Source source;
+            fill(target, source);
+            mix_shapes(knots, target, source, amounts.shape, rows);
+          });
+}
+
+// The places of knots relative to the last one agree to rounding.
+bool has_same_spacing(const std::vector<double>& a, const std::vector<double>& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    if (std::abs(a[k] / a.back() - b[k] / b.back()) > 1e-9) return false;
+  return true;
+}
+
+}  // namespace
+
+ParamList describe(BlendAmounts& amounts) {
+  const auto amount = [](const char* name, const char* help, double* target) {
+    return Param{.name = name, .help = help, .target = target, .min = 0, .max = 1};
+  };
+  return {amount("albedo", "part of the source's albedo", &amounts.albedo),
+          amount("range", "part of the source's range", &amounts.range),
+          amount("shape", "part of the source's shape", &amounts.shape)};
+}
+
+EditState match_knots(const EditState& state, const std::vector<double>& knots_mm) {
+  EditState matched = state;
+  matched.knots_mm = knots_mm;
+  const double stretch = state.knots_mm.back() / knots_mm.back();
+  if (has_same_spacing(state.knots_mm, knots_mm)) {
+    if (stretch == 1) return matched;
+    matched.shapes =
+        make_shape_planes(state.shapes->log_profile, knots_mm, state.pixels(), state.channels);
+  } else {
+    const std::size_t pixels = state.pixels(), n = knots_mm.size(), m = state.knots_mm.size();
+    AlignedVector<float> rows(state.values() * n);
+    parallel_for(n * static_cast<std::size_t>(state.channels), [&](std::size_t plane) {
+      const std::size_t channel = plane / n, k = plane % n;
+      const double r = std::min(knots_mm[k] * stretch, state.knots_mm.back());
+      const auto upper = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
+          std::upper_bound(state.knots_mm.begin(), state.knots_mm.end(), r) -
+              state.knots_mm.begin(),
+          1, static_cast<std::ptrdiff_t>(m) - 1));
+      const auto w = static_cast<float>((r - state.knots_mm[upper - 1]) /
+                                        (state.knots_mm[upper] - state.knots_mm[upper - 1]));
+      const float* a = &state.shapes->log_profile[(channel * m + upper - 1) * pixels];
+      const float* b = a + pixels;
+      float* out = &rows[plane * pixels];
+      for (std::size_t i = 0; i < pixels; ++i) out[i] = (1 - w) * a[i] + w * b[i];
+    });
+    matched.shapes = make_shape_planes(std::move(rows), knots_mm, pixels, state.channels);
+  }
+  set_properties(matched, albedo_plane(state), range_plane(state));
+  return matched;
+}
+
+void apply(const BlendAmounts& amounts, const EditState& source,
+           const std::vector<std::uint32_t>& source_pixel, EditState& state, const Mask& mask,
+           EditReport& report) {
+  PARIAN_CHECK(source_pixel.empty() || source_pixel.size() == state.pixels());
+  PARIAN_CHECK(source.channels == state.channels || source.channels == 1);
+  PARIAN_CHECK(has_same_spacing(source.knots_mm, state.knots_mm));
+  const std::size_t pixels = state.pixels(), n = state.knots_mm.size();
+  const auto channel_of = [&](std::size_t channel) { return source.channels == 1 ? 0 : channel; };
+  const auto pixel_of = [&](std::size_t pixel) -> std::size_t {
+    return source_pixel.empty() ? 0 : source_pixel[pixel];
+  };
+  const auto index = [&](std::size_t i) {
+    return channel_of(i / pixels) * source.pixels() + pixel_of(i % pixels);
+  };
+  const Plane albedo = albedo_plane(source), range = range_plane(source);
+  const auto fill = [&](const ShapeBlock& target, Source& out) {
+    const std::size_t channel = channel_of(static_cast<std::size_t>(target.channel));
+    out.rows = AlignedVector<float>(n * shape_lanes);
+    for (std::size_t i = 0; i < shape_lanes; ++i) {
+      const std::size_t pixel = pixel_of(target.first + std::min(i, target.count - 1));
+      out.albedo[i] = source.shapes->albedo[channel * source.pixels() + pixel];
+      out.range_mm[i] = source.shapes->range_mm[channel * source.pixels() + pixel];
+      for (std::size_t k = 0; k < n; ++k)
+        out.rows[k * shape_lanes + i] =
+            source.shapes->log_profile[(channel * n + k) * source.pixels() + pixel];
+    }
+  };
+  blend(
+      amounts, state, mask, report, [&](std::size_t i) { return albedo[index(i)]; },
+      [&](std::size_t i) { return range[index(i)]; }, fill);
+}
+
+}  // namespace parian

@@ -1,0 +1,140 @@
+#include "edit/reshape.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+#include "base/hot.h"
+#include "base/parallel.h"
+
+namespace parian {
+namespace {
+
+struct Buffers {
+  AlignedVector<float> rows, changed;
+  alignas(64) float amount[shape_lanes];
+  alignas(64) double albedo[shape_lanes];
+  alignas(64) double range_mm[shape_lanes];
+};
+
+template <typename T>
+void load_lanes(const T* from, std::size_t count, T* to) {
+  std::copy_n(from, count, to);
+  std::fill(to + count, to + shape_lanes, from[count - 1]);
+}
+
+PARIAN_HOT void select_rows(const float* PARIAN_RESTRICT amount,
+                            const float* PARIAN_RESTRICT changed,
+                            const float* PARIAN_RESTRICT before, float* PARIAN_RESTRICT out,
+                            std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) out[i] = amount[i] > 0 ? changed[i] : before[i];
+}
+
+PARIAN_HOT void lower_row(const float* PARIAN_RESTRICT above, float* PARIAN_RESTRICT row) {
+  for (std::size_t i = 0; i < shape_lanes; ++i) row[i] = row[i] < above[i] ? row[i] : above[i];
+}
+
+struct Reshape {
+  const EditState& before;
+  const std::vector<float>& amount;
+  const Plane& albedo;
+  const Plane& range_mm;
+  const ShapeFunction& make_rows;
+  const KnotTable knots;
+  ShapePlanes& shapes;
+  Plane& gain;
+  Plane& dilation;
+
+  void copy_block(const ShapeBlock& block) const {
+    const std::size_t pixels = before.pixels();
+    const auto channel = static_cast<std::size_t>(block.channel);
+    for (std::size_t k = 0; k < knots.radius.size(); ++k) {
+      const std::size_t at = (channel * knots.radius.size() + k) * pixels + block.first;
+      std::copy_n(&before.shapes->log_profile[at], block.count, &shapes.log_profile[at]);
+    }
+  }
+
+  void load(ShapeBlock& block, Buffers& buffers) const {
+    const std::size_t pixels = before.pixels(), n = knots.radius.size();
+    const auto channel = static_cast<std::size_t>(block.channel);
+    const std::size_t at = channel * pixels + block.first;
+    for (std::size_t k = 0; k < n; ++k)
+      load_lanes(&before.shapes->log_profile[(channel * n + k) * pixels + block.first], block.count,
+                 &buffers.rows[k * shape_lanes]);
+    load_lanes(&amount[block.first], block.count, buffers.amount);
+    load_lanes(&before.shapes->albedo[at], block.count, buffers.albedo);
+    load_lanes(&before.shapes->range_mm[at], block.count, buffers.range_mm);
+    block.rows = buffers.rows.data();
+    block.amount = buffers.amount;
+    block.albedo = buffers.albedo;
+    block.range_mm = buffers.range_mm;
+  }
+
+  void store(const ShapeBlock& block, Buffers& buffers) const {
+    const std::size_t pixels = before.pixels(), n = knots.radius.size();
+    const auto channel = static_cast<std::size_t>(block.channel);
+    for (std::size_t k = 0; k < n; ++k)
+      select_rows(block.amount, &buffers.changed[k * shape_lanes], &buffers.rows[k * shape_lanes],
+                  &shapes.log_profile[(channel * n + k) * pixels + block.first], block.count);
+    measure_shapes(knots, buffers.changed.data(), shape_lanes, block.count, buffers.albedo,
+                   buffers.range_mm);
+    for (std::size_t i = 0; i < block.count; ++i) {
+      if (!(block.amount[i] > 0)) continue;
+      const std::size_t at = channel * pixels + block.first + i;
+      shapes.albedo[at] = buffers.albedo[i];
+      shapes.range_mm[at] = buffers.range_mm[i];
+      gain[at] = albedo[at] / buffers.albedo[i];
+      dilation[at] = range_mm[at] / buffers.range_mm[i];
+    }
+  }
+
+  void run(ShapeBlock block, Buffers& buffers) const {
+    const auto* from = &amount[block.first];
+    if (!std::any_of(from, from + block.count, [](float a) { return a > 0; }))
+      return copy_block(block);
+    load(block, buffers);
+    make_rows(block, buffers.changed.data());
+    store(block, buffers);
+  }
+};
+
+}  // namespace
+
+void reshape(EditState& state, const std::vector<float>& amount, const Plane& albedo,
+             const Plane& range_mm, const ShapeFunction& make_rows) {
+  PARIAN_CHECK_EQ(amount.size(), state.pixels());
+  PARIAN_CHECK_EQ(albedo.size(), state.values());
+  PARIAN_CHECK_EQ(range_mm.size(), state.values());
+  auto shapes = std::make_shared<ShapePlanes>();
+  shapes->log_profile = AlignedVector<float>(state.shapes->log_profile.size());
+  shapes->albedo = state.shapes->albedo;
+  shapes->range_mm = state.shapes->range_mm;
+  auto gain = std::make_shared<Plane>(*state.gain);
+  auto dilation = std::make_shared<Plane>(*state.dilation);
+  const Reshape work{state,    amount,    albedo,
+                     range_mm, make_rows, make_knot_table(state.knots_mm),
+                     *shapes,  *gain,     *dilation};
+  const std::size_t blocks = (state.pixels() + shape_lanes - 1) / shape_lanes;
+  const auto run = [&](std::size_t begin, std::size_t end) {
+    Buffers buffers;
+    buffers.rows = AlignedVector<float>(state.knots_mm.size() * shape_lanes);
+    buffers.changed = AlignedVector<float>(state.knots_mm.size() * shape_lanes);
+    for (std::size_t b = begin; b < end; ++b) {
+      const std::size_t first = b % blocks * shape_lanes;
+      work.run({.channel = static_cast<int>(b / blocks),
+                .first = first,
+                .count = std::min(shape_lanes, state.pixels() - first)},
+               buffers);
+    }
+  };
+  parallel_for_blocks(blocks * static_cast<std::size_t>(state.channels), 16, run);
+  state.shapes = std::move(shapes);
+  state.gain = std::move(gain);
+  state.dilation = std::move(dilation);
+}
+
+void make_rows_non_increasing(float* rows, std::size_t knots) {
+  for (std::size_t k = 1; k < knots; ++k)
+    lower_row(rows + (k - 1) * shape_lanes, rows + k * shape_lanes);
+}
+
+}  // namespace parian

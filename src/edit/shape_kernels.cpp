@@ -1,0 +1,186 @@
+#include "edit/shape_kernels.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "base/hot.h"
+#include "math/fast_log.h"
+
+namespace parian {
+namespace {
+
+constexpr double two_pi = 6.283185307179586;
+
+// e^x = 2^k e^f with |f| <= ln 2 / 2, Taylor to f^13: 1e-16 relative. For |x| < 700; 0 below.
+[[gnu::always_inline]] inline double exp_lane(double x) {
+  constexpr double log2_e = 1.4426950408889634, ln2_high = 6.93147180369123816490e-01,
+                   ln2_low = 1.90821492927058770002e-10;
+  constexpr double round = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to an integer
+  double clamped = x < -700.0 ? -700.0 : x;
+  clamped = clamped > 700.0 ? 700.0 : clamped;
+  const double shifted = clamped * log2_e + round;
+  const double k = shifted - round;
+  const double f = (clamped - k * ln2_high) - k * ln2_low;
+  double p = 1.0 / 6227020800;
+  p = p * f + 1.0 / 479001600;
+  p = p * f + 1.0 / 39916800;
+  p = p * f + 1.0 / 3628800;
+  p = p * f + 1.0 / 362880;
+  p = p * f + 1.0 / 40320;
+  p = p * f + 1.0 / 5040;
+  p = p * f + 1.0 / 720;
+  p = p * f + 1.0 / 120;
+  p = p * f + 1.0 / 24;
+  p = p * f + 1.0 / 6;
+  p = p * f + 0.5;
+  p = p * f + 1;
+  p = p * f + 1;
+  const std::uint64_t power = std::bit_cast<std::uint64_t>(shifted) << 52u;
+  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(p) + power);
+}
+
+[[gnu::always_inline]] inline float exp_lane_float(float x) {
+  constexpr float log2_e = 1.44269504f, ln2_high = 0.693359375f, ln2_low = -2.12194440e-4f;
+  constexpr float round = 12582912.0f;
+  const float clamped = x < -80.0f ? -80.0f : x;  // callers see to x < 88
+  const float shifted = clamped * log2_e + round;
+  const float k = shifted - round;
+  const float f = (clamped - k * ln2_high) - k * ln2_low;
+  const float p =
+      1 + f * (1 + f * (0.5f + f * (0.16666667f +
+                                    f * (0.041666668f + f * (0.0083333338f + f * 0.0013888889f)))));
+  const std::uint32_t power = std::bit_cast<std::uint32_t>(shifted) << 23u;
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(p) + power);
+}
+
+[[gnu::always_inline]] inline float exp_lane_any(float x) {
+  const float capped = x < 80.0f ? x : 80.0f;
+  return exp_lane_float(capped);
+}
+
+// int exp(y) r dr over [r0, r0 + h] from y0 to y0 + beta, with p0 and p1 = P at its ends: the
+// segment integral h (r0 p0 phi + h p0 psi), phi = (e^beta - 1) / beta, psi = (e^beta - phi) /
+// beta.
+[[gnu::always_inline]] inline double integrate_lane(double r0, double h, double beta, double p0,
+                                                    double p1) {
+  const bool small = beta < 0.05 && beta > -0.05;
+  const double inverse = 1 / (small ? 1.0 : beta);
+  const double by_ends = (p1 - p0) * inverse;
+  const double by_ends_psi = (p1 - by_ends) * inverse;
+  const double phi =
+      1 + beta / 2 * (1 + beta / 3 * (1 + beta / 4 * (1 + beta / 5 * (1 + beta / 6))));
+  const double psi =
+      1.0 / 2 +
+      beta * (1.0 / 3 + beta * (1.0 / 8 + beta * (1.0 / 30 + beta * (1.0 / 144 + beta / 840))));
+  return h * (r0 * (small ? p0 * phi : by_ends) + h * (small ? p0 * psi : by_ends_psi));
+}
+
+}  // namespace
+
+PARIAN_HOT void raise_top(const float* PARIAN_RESTRICT row, double* PARIAN_RESTRICT top) {
+  for (std::size_t i = 0; i < shape_lanes; ++i) {
+    const auto value = static_cast<double>(row[i]);
+    top[i] = value > top[i] ? value : top[i];
+  }
+}
+
+PARIAN_HOT void start_shapes(const float* PARIAN_RESTRICT row, ShapeSums* PARIAN_RESTRICT sums) {
+  for (std::size_t i = 0; i < shape_lanes; ++i) {
+    sums->log_value[i] = static_cast<double>(row[i]);
+    sums->value[i] = exp_lane(sums->log_value[i]);
+    sums->integral[i] = 0;
+    sums->above[i] = sums->drop[i] = sums->length[i] = sums->start[i] = 0;
+    sums->top[i] += -9.210340371976182;  // the level from here on: ln of support_threshold
+  }
+}
+
+PARIAN_HOT void add_segment(double a, double b, const float* PARIAN_RESTRICT row,
+                            ShapeSums* PARIAN_RESTRICT sums) {
+  const double h = b - a, inverse_h = 1 / h;
+  for (std::size_t i = 0; i < shape_lanes; ++i) {
+    const double y0 = sums->log_value[i], y1 = static_cast<double>(row[i]);
+    const double p0 = sums->value[i], p1 = exp_lane(y1);
+    sums->integral[i] += integrate_lane(a, h, y1 - y0, p0, p1);
+    const bool crosses = y0 > sums->top[i] && y1 <= sums->top[i];
+    sums->above[i] = crosses ? y0 : sums->above[i];
+    sums->drop[i] = crosses ? y0 - y1 : sums->drop[i];
+    sums->start[i] = crosses ? a : sums->start[i];
+    sums->length[i] = crosses ? h : sums->length[i];
+    sums->slope[i] = (y1 - y0) * inverse_h;
+    sums->log_value[i] = y1;
+    sums->value[i] = p1;
+  }
+}
+
+PARIAN_HOT void finish_shapes(double last_radius, double last_length,
+                              ShapeSums* PARIAN_RESTRICT sums) {
+  const double least = -min_tail_decay / last_radius, limit = (support_limit - 1) * last_radius;
+  for (std::size_t i = 0; i < shape_lanes; ++i) {
+    const double slope = sums->slope[i] < least ? sums->slope[i] : least;
+    const bool has_tail = sums->log_value[i] > sums->top[i];
+    double tail = (sums->top[i] - sums->log_value[i]) / slope;
+    tail = tail < limit ? tail : limit;
+    tail = has_tail ? tail : 0;
+    const double beta = slope * tail, p0 = sums->value[i];
+    const double more = integrate_lane(last_radius, tail, beta, p0, p0 * exp_lane(beta));
+    sums->integral[i] = two_pi * (sums->integral[i] + more);
+    const double drop = has_tail ? 1 : sums->drop[i];
+    const double inside =
+        sums->start[i] + sums->length[i] * ((sums->above[i] - sums->top[i]) / drop);
+    sums->range[i] = has_tail ? last_radius + tail : inside;
+  }
+}
+
+PARIAN_HOT void sample_shapes(const ShapeRows* rows, float radius,
+                              const float* PARIAN_RESTRICT scale, float* PARIAN_RESTRICT out) {
+  const int last = rows->knots - 1;
+  const float end = rows->radius[last];
+  const float* value = rows->value;
+  for (std::size_t i = 0; i < shape_lanes; ++i) {
+    const float r = radius * scale[i];
+    const float inside = r < end ? r : end;
+    int k = rows->segment_of_bin[static_cast<int>(inside * rows->bins_per_mm)];
+    k += k + 1 < last && inside >= rows->radius[k + 1] ? 1 : 0;
+    const float w = (inside - rows->radius[k]) / (rows->radius[k + 1] - rows->radius[k]);
+    const float a = value[static_cast<std::size_t>(k) * shape_lanes + i];
+    const float b = value[static_cast<std::size_t>(k + 1) * shape_lanes + i];
+    const float y = a + w * (b - a) + (r - inside) * rows->tail_slope[i];
+    out[i] = r <= rows->support[i] ? y : log_of_zero;
+  }
+}
+
+PARIAN_HOT void mix_shape_rows(const float* PARIAN_RESTRICT a, const float* PARIAN_RESTRICT a_shift,
+                               const float* PARIAN_RESTRICT b, const float* PARIAN_RESTRICT b_shift,
+                               const float* PARIAN_RESTRICT w, float* PARIAN_RESTRICT out) {
+  for (std::size_t i = 0; i < shape_lanes; ++i) {
+    const float ya = a[i] + a_shift[i], yb = b[i] + b_shift[i];
+    const float top = ya > yb ? ya : yb;
+    const float sum = (1 - w[i]) * exp_lane_float(ya - top) + w[i] * exp_lane_float(yb - top);
+    out[i] = top + fast_log(sum);
+  }
+}
+
+PARIAN_HOT void bend_shape_row(const ShapeCurves* curves, float radius,
+                               const float* PARIAN_RESTRICT row, const float* PARIAN_RESTRICT first,
+                               const float* PARIAN_RESTRICT amount, float* PARIAN_RESTRICT out) {
+  const auto samples = static_cast<float>(curves->samples);
+  for (std::size_t i = 0; i < shape_lanes; ++i) {
+    const float u = radius * curves->inverse_range[i];
+    const float place = (u < 1 ? u : 1.0f) * samples;
+    const int bin = static_cast<int>(place < samples ? place : samples - 1);
+    const float w = place - static_cast<float>(bin);
+    const float s0 = curves->scale[bin], s1 = curves->scale[bin + 1];
+    const float o0 = curves->offset[bin], o1 = curves->offset[bin + 1];
+    const float scale = 1 + amount[i] * (s0 + w * (s1 - s0) - 1);
+    const float offset = u <= 1 ? amount[i] * (o0 + w * (o1 - o0)) : 0.0f;
+    // Relative to S0, so that nothing under- or overflows.
+    const float log_first = first[i] + curves->shift[i];
+    const float log_bent = curves->exponent[i] * (row[i] - first[i]);
+    const float capped = log_bent > 0 ? 0.0f : log_bent;  // a rise is cut off here already
+    const float bent = scale * exp_lane_float(capped) + offset * exp_lane_any(-log_first);
+    out[i] = log_first + fast_log(bent > 1e-30f ? bent : 1e-30f);
+  }
+}
+
+}  // namespace parian

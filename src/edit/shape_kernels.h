@@ -1,0 +1,62 @@
+// The vectorised inner loops over blocks of shape_lanes profiles side by side.
+#pragma once
+
+#include "edit/shape_planes.h"
+
+namespace parian {
+
+// Running measurement of a block; see measure_shapes.
+struct ShapeSums {
+  alignas(64) double top[shape_lanes];        // largest ln P
+  alignas(64) double log_value[shape_lanes];  // ln P at the last knot added
+  alignas(64) double value[shape_lanes];      // P there
+  alignas(64) double slope[shape_lanes];      // of the last segment
+  alignas(64) double integral[shape_lanes];  // int P r dr so far; after finish_shapes 2 pi times it
+  alignas(64) double above[shape_lanes];     // where P last crosses the threshold: ln P before,
+  alignas(64) double drop[shape_lanes];      // how far it falls over that segment,
+  alignas(64) double start[shape_lanes];     // the segment's start
+  alignas(64) double length[shape_lanes];    // and length
+  alignas(64) double range[shape_lanes];     // after finish_shapes: alpha
+};
+
+// top = max(top, row)
+void raise_top(const float* row, double* top);
+void start_shapes(const float* row, ShapeSums* sums);
+// The segment from radius a to b, at whose end ln P is `row`.
+void add_segment(double a, double b, const float* row, ShapeSums* sums);
+// The tail beyond the last knot.
+void finish_shapes(double last_radius, double last_length, ShapeSums* sums);
+
+// Rows of profiles on common knots: value[k * shape_lanes + i].
+struct ShapeRows {
+  const float* value;
+  const float* radius;
+  const int* segment_of_bin;
+  const float* tail_slope;  // [lane], of ln P beyond the last knot
+  const float* support;     // [lane], mm: ends there (log_of_zero)
+  float bins_per_mm;
+  int knots;
+};
+inline constexpr float log_of_zero = -1e4f;
+
+// out[i] = ln P_i at radius * scale[i].
+void sample_shapes(const ShapeRows* rows, float radius, const float* scale, float* out);
+
+// out = ln((1 - w) e^(a + a_shift) + w e^(b + b_shift)), lane by lane.
+void mix_shape_rows(const float* a, const float* a_shift, const float* b, const float* b_shift,
+                    const float* w, float* out);
+
+// S' = scale(u) S0 (S / S0)^exponent + offset(u), per lane interpolated by `amount`.
+struct ShapeCurves {
+  const float* scale;   // [samples + 1] over u in [0, 1]
+  const float* offset;  // likewise; 0 beyond u = 1
+  int samples;
+  alignas(64) float inverse_range[shape_lanes];
+  alignas(64) float shift[shape_lanes];  // ln S - ln P
+  alignas(64) float exponent[shape_lanes];
+};
+// `row` is ln P at `radius`, `first` at 0; `out` is ln S'.
+void bend_shape_row(const ShapeCurves* curves, float radius, const float* row, const float* first,
+                    const float* amount, float* out);
+
+}  // namespace parian

@@ -1,0 +1,83 @@
+#include "edit/shape_planes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "edit/shape_kernels.h"
+
+namespace parian {
+
+KnotTable make_knot_table(const std::vector<double>& knots_mm) {
+  KnotTable table;
+  table.radius = knots_mm;
+  table.radius_float.assign(knots_mm.begin(), knots_mm.end());
+  double shortest = knots_mm.back();
+  for (std::size_t k = 1; k < knots_mm.size(); ++k)
+    shortest = std::min(shortest, knots_mm[k] - knots_mm[k - 1]);
+  // At most one knot lies inside a bin; beyond a few thousand bins lookups walk a little.
+  const int bins =
+      static_cast<int>(std::clamp(std::ceil(1.01 * knots_mm.back() / shortest), 1.0, 8192.0));
+  table.bins_per_mm = static_cast<float>(bins / knots_mm.back());
+  table.segment_of_bin.reserve(static_cast<std::size_t>(bins) + 2);
+  int segment = 0;
+  const int last = static_cast<int>(knots_mm.size()) - 2;
+  for (int b = 0; b < bins + 2; ++b) {
+    const float start = static_cast<float>(b) / table.bins_per_mm;
+    while (segment < last && table.radius_float[static_cast<std::size_t>(segment) + 1] <= start)
+      ++segment;
+    table.segment_of_bin.push_back(segment);
+  }
+  return table;
+}
+
+void measure_shapes(const KnotTable& knots, const float* log_value, std::size_t stride,
+                    std::size_t count, double* albedo, double* range_mm) {
+  ShapeSums sums;
+  for (std::size_t i = 0; i < shape_lanes; ++i) sums.top[i] = -1e300;
+  const std::size_t n = knots.radius.size();
+  alignas(64) float row[shape_lanes] = {};
+  const auto load = [&](std::size_t k) {  // idle lanes repeat the last one
+    std::copy_n(log_value + k * stride, count, row);
+    for (std::size_t i = count; i < shape_lanes; ++i) row[i] = row[count - 1];
+  };
+  for (std::size_t k = 0; k < n; ++k) {
+    load(k);
+    raise_top(row, sums.top);
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    load(k);
+    if (k == 0)
+      start_shapes(row, &sums);
+    else
+      add_segment(knots.radius[k - 1], knots.radius[k], row, &sums);
+  }
+  finish_shapes(knots.radius[n - 1], knots.radius[n - 1] - knots.radius[n - 2], &sums);
+  std::copy_n(sums.integral, count, albedo);
+  std::copy_n(sums.range, count, range_mm);
+}
+
+std::shared_ptr<const ShapePlanes> make_shape_planes(AlignedVector<float> log_profile,
+                                                     const std::vector<double>& knots_mm,
+                                                     std::size_t pixels, int channels) {
+  const auto planes = std::make_shared<ShapePlanes>();
+  planes->log_profile = std::move(log_profile);
+  const std::size_t count = pixels * static_cast<std::size_t>(channels);
+  planes->albedo.resize(count);
+  planes->range_mm.resize(count);
+  const KnotTable knots = make_knot_table(knots_mm);
+  const std::size_t blocks = (pixels + shape_lanes - 1) / shape_lanes;
+  const auto measure = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      const std::size_t channel = b / blocks, first = b % blocks * shape_lanes;
+      const std::size_t at = channel * pixels + first;
+      measure_shapes(knots, &planes->log_profile[channel * knots_mm.size() * pixels + first],
+                     pixels, std::min(shape_lanes, pixels - first), &planes->albedo[at],
+                     &planes->range_mm[at]);
+    }
+  };
+  parallel_for_blocks(blocks * static_cast<std::size_t>(channels), 16, measure);
+  return planes;
+}
+
+}  // namespace parian
