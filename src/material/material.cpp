@@ -10,6 +10,8 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "material/bssrdf_table.h"
+#include "material/dilated_slices_internal.h"
+#include "material/plane_eval_internal.h"
 
 namespace parian {
 namespace {
@@ -78,6 +80,31 @@ class ModelSource : public SliceSource {
 
  private:
   const Material& material_;
+  TableHeader header_;
+  std::string name_;
+};
+
+// Of a map with dilations, its own or a blend's written out.
+class DilatedSource : public SliceSource {
+ public:
+  DilatedSource(const ProfileMap& map, TableHeader header, std::string name)
+      : dilated_(make_dilated_map(map)), header_(std::move(header)), name_(std::move(name)) {}
+  DilatedSource(std::unique_ptr<const ProfileMap> map, TableHeader header, std::string name)
+      : DilatedSource(*map, std::move(header), std::move(name)) {
+    owned_ = std::move(map);
+  }
+  const TableHeader& header() const override { return header_; }
+  std::string name() const override { return name_; }
+  void read_slice(int channel, int offset_index, float* slice) const override {
+    const Offset offset = header_.offsets.at(static_cast<std::size_t>(offset_index));
+    std::vector<float> log_p(header_.pixels());
+    eval_log_plane(dilated_, channel, length_px(offset) * header_.pixel_pitch_mm, log_p.data());
+    pair_planes(header_.width, header_.height, offset, log_p.data(), slice);
+  }
+
+ private:
+  std::unique_ptr<const ProfileMap> owned_;
+  DilatedMap dilated_;
   TableHeader header_;
   std::string name_;
 };
@@ -165,6 +192,12 @@ std::unique_ptr<SliceSource> make_slices(const Material& material, TableHeader l
   like.eta = eta_of(material);
   like.noise_floor.clear();
   like.noise_gain.clear();
+  if (const auto* map = std::get_if<ProfileMap>(&material); map && !map->dilation.empty())
+    return std::make_unique<DilatedSource>(*map, std::move(like), std::move(name));
+  if (const auto* blend = std::get_if<ProfileBlend>(&material); blend && !blend->dilation.empty())
+    return std::make_unique<DilatedSource>(
+        std::make_unique<const ProfileMap>(make_profile_map(*blend)), std::move(like),
+        std::move(name));
   return std::make_unique<ModelSource>(material, std::move(like), std::move(name));
 }
 

@@ -73,23 +73,26 @@ void eval_plane(const ProfilePlanes& planes, double r_mm, float* out) {
 }  // namespace
 
 void eval_planes(const ProfilePlanes& planes, Offset offset, float* slice) {
-  TableHeader grid;
-  grid.width = planes.width;
-  grid.height = planes.height;
-  const PixelRange range = pairs_in_grid(grid, offset);
-  std::fill_n(slice, pixels_of(planes), std::numeric_limits<float>::quiet_NaN());
-  if (range.x0 >= range.x1 || range.y0 >= range.y1) return;
-
   std::vector<float> log_p(pixels_of(planes));
   eval_plane(planes, length_px(offset) * planes.pixel_pitch_mm, log_p.data());
-  const auto width = static_cast<std::size_t>(planes.width);
+  pair_planes(planes.width, planes.height, offset, log_p.data(), slice);
+}
+
+void pair_planes(int grid_width, int grid_height, Offset offset, const float* log_p, float* slice) {
+  TableHeader grid;
+  grid.width = grid_width;
+  grid.height = grid_height;
+  const PixelRange range = pairs_in_grid(grid, offset);
+  std::fill_n(slice, grid.pixels(), std::numeric_limits<float>::quiet_NaN());
+  if (range.x0 >= range.x1 || range.y0 >= range.y1) return;
+  const auto width = static_cast<std::size_t>(grid_width);
   const auto count = static_cast<std::size_t>(range.x1 - range.x0);
   std::vector<float> log_r(count);
   for (int y = range.y0; y < range.y1; ++y) {
     const std::size_t from =
         static_cast<std::size_t>(y) * width + static_cast<std::size_t>(range.x0);
     const auto to = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(from) +
-                                             offset.dy * planes.width + offset.dx);
+                                             offset.dy * grid_width + offset.dx);
     mean_rows(&log_p[from], &log_p[to], log_r.data(), count);  // Eq. 3 in logarithms
     exp_array(log_r.data(), slice + from, count);
   }

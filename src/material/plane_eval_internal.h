@@ -22,6 +22,10 @@ struct ProfilePlanes {
 
 void eval_planes(const ProfilePlanes& planes, Offset offset, float* slice);
 
+// R_d of the pairs of pixels at an offset from ln P of all pixels at that distance (Eq. 3); NaN
+// outside the grid.
+void pair_planes(int width, int height, Offset offset, const float* log_p, float* slice);
+
 // Throws Error with `name` as its file: two or more finite knots that increase from 0.
 void check_knots(const std::vector<double>& knots_mm, const std::string& name,
                  const std::string& place);

@@ -189,5 +189,38 @@ TEST(Material, SlicesNeedTheSameGrid) {
             "m.h5: pixel_pitch_mm: expected 1, as the table, found 0.5");
 }
 
+TEST(ProfileMap, SlicesOfDilatedMapsAgreeWithEachProfile) {
+  Rng rng = make_rng(9);
+  ProfileMap map = make_profile_map(9, 7, 3, 0.4, {0, 0.3, 0.7, 1.5, 1.9});
+  for (int c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < map.pixels(); ++i) {
+      double value = -1;
+      for (int k = 0; k < 5; ++k, value -= 3 * sample_uniform(rng))
+        knot_plane(map, c, k)[i] = static_cast<float>(value);
+    }
+  for (std::size_t i = 0; i < 3 * map.pixels(); ++i) {
+    map.gain.push_back(static_cast<float>(0.5 + sample_uniform(rng)));
+    map.dilation.push_back(static_cast<float>(0.4 + 2 * sample_uniform(rng)));
+  }
+  const Material material = map;
+  const TableHeader header = natural_header(material);
+  const auto slices = make_slices(material, header);
+  std::vector<float> fast(map.pixels()), plain(map.pixels());
+  for (int c = 0; c < 3; ++c)
+    for (std::size_t d = 0; d < header.offsets.size(); ++d) {
+      slices->read_slice(c, static_cast<int>(d), fast.data());
+      eval_slice(map, c, header.offsets[d], plain.data());
+      for (std::size_t i = 0; i < fast.size(); ++i) {
+        if (std::isnan(plain[i])) {
+          EXPECT_TRUE(std::isnan(fast[i]));
+        } else if (fast[i] > 0 && plain[i] > 0) {  // at the support itself either may be 0
+          EXPECT_NEAR(fast[i] / plain[i], 1, 2e-5);
+        } else {
+          EXPECT_LT(std::max(fast[i], plain[i]), 1e-3);
+        }
+      }
+    }
+}
+
 }  // namespace
 }  // namespace parian
