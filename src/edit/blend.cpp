@@ -20,40 +20,6 @@ struct Source {
   alignas(64) double range_mm[shape_lanes];
 };
 
-// Tail slope and support of rows, as the kernels want them.
-struct Tails {
-  alignas(64) float slope[shape_lanes];
-  alignas(64) float support[shape_lanes];
-};
-
-Tails find_tails(const KnotTable& knots, const float* rows) {
-  Tails tails;
-  const std::size_t n = knots.radius.size() - 1;
-  const float last = knots.radius_float[n], length = last - knots.radius_float[n - 1];
-  const auto least = static_cast<float>(-min_tail_decay / knots.radius[n]);
-  for (std::size_t i = 0; i < shape_lanes; ++i) {
-    float top = rows[i];
-    for (std::size_t k = 1; k <= n; ++k) top = std::max(top, rows[k * shape_lanes + i]);
-    const float end = rows[n * shape_lanes + i];
-    const float level = top - 9.2103404f;  // ln of support_threshold
-    tails.slope[i] = std::min(least, (end - rows[(n - 1) * shape_lanes + i]) / length);
-    const float crossing = end > level ? last + (level - end) / tails.slope[i] : last;
-    // A little more, so that rounding never cuts off the last knot.
-    tails.support[i] = 1.00001f * std::min(crossing, static_cast<float>(support_limit) * last);
-  }
-  return tails;
-}
-
-ShapeRows view(const KnotTable& knots, const float* rows, const Tails& tails) {
-  return {.value = rows,
-          .radius = knots.radius_float.data(),
-          .segment_of_bin = knots.segment_of_bin.data(),
-          .tail_slope = tails.slope,
-          .support = tails.support,
-          .bins_per_mm = knots.bins_per_mm,
-          .knots = static_cast<int>(knots.radius.size())};
-}
-
 // S' = (1 - w) S_d + w S_s at u = r_k / alpha', 1 / alpha' = (1 - w) / alpha_d + w / alpha_s: the
 // knots of the mixture lie between those of both, in units of the range.
 void mix_shapes(const KnotTable& knots, const ShapeBlock& target, const Source& source,
@@ -72,10 +38,10 @@ void mix_shapes(const KnotTable& knots, const ShapeBlock& target, const Source& 
     target_shift[i] = log_of(target.range_mm[i], target.albedo[i]);
     source_shift[i] = log_of(source.range_mm[i], source.albedo[i]);
   }
-  const Tails target_tails = find_tails(knots, target.rows),
-              source_tails = find_tails(knots, source.rows.data());
-  const ShapeRows from_target = view(knots, target.rows, target_tails),
-                  from_source = view(knots, source.rows.data(), source_tails);
+  const ShapeTails target_tails = find_tails(knots, target.rows),
+                   source_tails = find_tails(knots, source.rows.data());
+  const ShapeRows from_target = view_rows(knots, target.rows, target_tails),
+                  from_source = view_rows(knots, source.rows.data(), source_tails);
   for (std::size_t k = 0; k < knots.radius.size(); ++k) {
     float* row = rows + k * shape_lanes;
     sample_shapes(&from_target, knots.radius_float[k], target_scale, a);

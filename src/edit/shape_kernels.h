@@ -39,6 +39,15 @@ struct ShapeRows {
 };
 inline constexpr float log_of_zero = -1e4f;
 
+// Tail slope and support of rows [knot][lane], as the kernels want them.
+struct ShapeTails {
+  alignas(64) float slope[shape_lanes];
+  alignas(64) float support[shape_lanes];
+};
+ShapeTails find_tails(const KnotTable& knots, const float* rows);
+// Refers to all three.
+ShapeRows view_rows(const KnotTable& knots, const float* rows, const ShapeTails& tails);
+
 // out[i] = ln P_i at radius * scale[i].
 void sample_shapes(const ShapeRows* rows, float radius, const float* scale, float* out);
 

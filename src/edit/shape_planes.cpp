@@ -31,6 +31,34 @@ KnotTable make_knot_table(const std::vector<double>& knots_mm) {
   return table;
 }
 
+ShapeTails find_tails(const KnotTable& knots, const float* rows) {
+  ShapeTails tails;
+  const std::size_t n = knots.radius.size() - 1;
+  const float last = knots.radius_float[n], length = last - knots.radius_float[n - 1];
+  const auto least = static_cast<float>(-min_tail_decay / knots.radius[n]);
+  for (std::size_t i = 0; i < shape_lanes; ++i) {
+    float top = rows[i];
+    for (std::size_t k = 1; k <= n; ++k) top = std::max(top, rows[k * shape_lanes + i]);
+    const float end = rows[n * shape_lanes + i];
+    const float level = top - 9.2103404f;  // ln of support_threshold
+    tails.slope[i] = std::min(least, (end - rows[(n - 1) * shape_lanes + i]) / length);
+    const float crossing = end > level ? last + (level - end) / tails.slope[i] : last;
+    // A little more, so that rounding never cuts off the last knot.
+    tails.support[i] = 1.00001f * std::min(crossing, static_cast<float>(support_limit) * last);
+  }
+  return tails;
+}
+
+ShapeRows view_rows(const KnotTable& knots, const float* rows, const ShapeTails& tails) {
+  return {.value = rows,
+          .radius = knots.radius_float.data(),
+          .segment_of_bin = knots.segment_of_bin.data(),
+          .tail_slope = tails.slope,
+          .support = tails.support,
+          .bins_per_mm = knots.bins_per_mm,
+          .knots = static_cast<int>(knots.radius.size())};
+}
+
 void measure_shapes(const KnotTable& knots, const float* log_value, std::size_t stride,
                     std::size_t count, double* albedo, double* range_mm) {
   ShapeSums sums;
