@@ -34,7 +34,12 @@ struct ReadParam {
   }
   void operator()(double* target) const { *target = as_number(node); }
   void operator()(std::string* target) const { *target = as_string(node); }
-  void operator()(std::vector<double>* target) const { *target = as_numbers(node); }
+  void operator()(std::vector<double>* target) const {  // one number is a list of one
+    if (std::holds_alternative<double>(node.value))
+      *target = {as_number(node)};
+    else
+      *target = as_numbers(node);
+  }
   void operator()(const ChoiceTarget&) const { parse_value(param, as_string(node)); }
 };
 

@@ -12,7 +12,7 @@ import program
 
 class Usage(program.ProgramTest):
     def test_help_shows_an_example(self):
-        commands = ("simulate", "fit", "reconstruct", "compare", "relight", "render", "info",
+        commands = ("simulate", "fit", "edit", "reconstruct", "compare", "relight", "render", "info",
                     "demo")
         overview = self.succeed("--help")
         for command in commands:
@@ -31,9 +31,9 @@ class Usage(program.ProgramTest):
         self.assertIn("simulate", errors)
 
     def test_unknown_names_get_the_nearest(self):
-        self.fail_with(2, "expected a command: 'simulate', 'fit', 'compress', 'reconstruct', 'compare', "
-                       "'relight', 'render', 'info' or 'demo', found 'relit' (did you mean 'relight'?)",
-                       "relit", "x")
+        self.fail_with(2, "expected a command: 'simulate', 'fit', 'compress', 'edit', 'reconstruct', "
+                       "'compare', 'relight', 'render', 'info' or 'demo', found 'rlight' (did you mean 'relight'?)",
+                       "rlight", "x")
         self.fail_with(2, "expected a flag of 'parian fit', found '--segmants' "
                        "(did you mean '--segments'?)", "fit", "t.h5", "-o", "m.h5", "--segmants", "3")
         self.fail_with(2, "--weight: expected one of 'uniform', 'inverse-quadratic', 'energy' or "

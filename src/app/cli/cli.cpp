@@ -144,6 +144,8 @@ void check_leftovers(const CLI::App& sub, const CommandSpec& command) {
                 fmt::format("{} file{} after '{}'", command.positionals.size(),
                             command.positionals.size() == 1 ? "" : "s", command.name),
                 "'" + extras.front() + "' too");
+  for (const Flag& flag : command.flags)
+    if (flag.alone && sub.get_option("--" + flag.name)->count() > 0) return;
   for (const Positional& positional : command.positionals)
     if (sub.get_option(positional.name)->count() == 0 && positional.target->empty())
       throw_usage({}, positional.name + " after '" + command.name + "'", "nothing");

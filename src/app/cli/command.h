@@ -30,6 +30,7 @@ struct Flag {
   std::string help;
   std::variant<bool*, std::string*, std::vector<std::string>*> target;  // a vector: repeatable
   bool required = false;
+  bool alone = false;  // with it, nothing that is required is needed
 };
 
 // What every command gets from the common flags.
@@ -54,6 +55,7 @@ struct CommandSpec {
 CommandSpec make_simulate_command();
 CommandSpec make_fit_command();
 CommandSpec make_compress_command();
+CommandSpec make_edit_command();
 CommandSpec make_reconstruct_command();
 CommandSpec make_compare_command();
 CommandSpec make_relight_command();
@@ -62,9 +64,10 @@ CommandSpec make_info_command();
 CommandSpec make_demo_command();
 
 inline std::vector<CommandSpec> all_commands() {
-  return {make_simulate_command(),    make_fit_command(),     make_compress_command(),
-          make_reconstruct_command(), make_compare_command(), make_relight_command(),
-          make_render_command(),      make_info_command(),    make_demo_command()};
+  return {make_simulate_command(), make_fit_command(),         make_compress_command(),
+          make_edit_command(),     make_reconstruct_command(), make_compare_command(),
+          make_relight_command(),  make_render_command(),      make_info_command(),
+          make_demo_command()};
 }
 
 }  // namespace parian

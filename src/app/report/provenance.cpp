@@ -47,4 +47,18 @@ std::string make_blend_provenance(const std::string& file, const std::string& ma
   return format_document(provenance);
 }
 
+std::string make_edit_provenance(const std::string& file, const std::string& provenance,
+                                 const std::string& recipe_file, const Document& recipe) {
+  Document source{Document::Object{}};
+  set(source, "file", std::filesystem::path(file).filename().string());
+  if (!provenance.empty()) set(source, "provenance", parse_leniently(provenance));
+  Document edit{Document::Object{}};
+  set(edit, "kind", "edit");
+  set(edit, "program", "parian " PARIAN_VERSION);
+  set(edit, "recipe", std::filesystem::path(recipe_file).filename().string());
+  set(edit, "layers", get(recipe, "layers"));
+  set(edit, "source", source);
+  return format_document(edit);
+}
+
 }  // namespace parian

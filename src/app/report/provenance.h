@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "base/document.h"
 #include "compress/compress_params.h"
 #include "fit/fit_params.h"
 #include "material/slices.h"
@@ -16,5 +17,9 @@ std::string make_fit_provenance(const SliceSource& table, const FitParams& param
 // it has one, with its own provenance.
 std::string make_blend_provenance(const std::string& file, const std::string& map_provenance,
                                   const CompressParams& params);
+
+// The same for an edited material: program, recipe, and what it was applied to.
+std::string make_edit_provenance(const std::string& file, const std::string& provenance,
+                                 const std::string& recipe_file, const Document& recipe);
 
 }  // namespace parian

@@ -1,0 +1,235 @@
+// parian edit: a map or a blend and a recipe -> the edited material (SubEdit 2009, sections
+// 5, 7.1).
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include "app/cli/command.h"
+#include "app/cli/inputs.h"
+#include "app/cli/output.h"
+#include "app/report/provenance.h"
+#include "base/error.h"
+#include "edit/retarget.h"
+#include "edit/session.h"
+#include "io/blend/blend_file.h"
+#include "io/hdf5/map_file.h"
+#include "io/hdf5/table_file.h"
+#include "io/image/image_file.h"
+#include "io/json/json.h"
+
+namespace parian {
+namespace {
+
+struct EditOptions {
+  std::string input, recipe, output, masks;
+  bool bases = false;
+  bool list = false;
+};
+
+// A blend stays beside its map, for edits that go into it directly.
+struct Source {
+  ProfileMap map;
+  std::unique_ptr<ProfileBlend> blend;
+  std::string provenance;
+};
+
+Source open_source(const EditOptions& options) {
+  Source source;
+  const FileKind kind = find_file_kind(options.input);
+  if (kind == FileKind::blend) {
+    source.blend = std::make_unique<ProfileBlend>(load_blend(options.input));
+    source.provenance = source.blend->provenance;
+    source.map = options.bases ? make_profile_map(make_base_state(*source.blend))
+                               : make_profile_map(*source.blend);
+    return source;
+  }
+  if (options.bases)
+    throw Error({{}, "--bases", "a blend (.kbm) to edit", options.input}, ErrorKind::usage);
+  if (kind == FileKind::table)
+    throw Error({options.input, {}, "a profile map or a blend (parian fit makes one)", "a table"});
+  source.map = load_profile_map(options.input);
+  source.provenance = source.map.provenance;
+  return source;
+}
+
+RecipeLoaders make_loaders(const std::string& recipe) {
+  const std::filesystem::path folder = std::filesystem::path(recipe).parent_path();
+  const auto resolve = [folder](const std::string& name) { return (folder / name).string(); };
+  RecipeLoaders loaders;
+  loaders.load_map = [resolve](const std::string& name) {
+    const std::string path = resolve(name);
+    return find_file_kind(path) == FileKind::blend ? make_profile_map(load_blend(path))
+                                                   : load_profile_map(path);
+  };
+  loaders.load_image = [resolve](const std::string& name) { return load_image(resolve(name)); };
+  loaders.load_table = [resolve](const std::string& name) { return open_table(resolve(name)); };
+  return loaders;
+}
+
+struct LayerFigures {
+  std::string name, operation;
+  double seconds = 0;
+  double selected = 1;  // mean of the mask
+  EditReport report;
+};
+
+// Layer by layer, so that each one's time is its own.
+std::vector<LayerFigures> run_layers(EditSession& session, const Progress& progress) {
+  std::vector<LayerFigures> figures;
+  figures.reserve(session.recipe.layers.size());
+  for (std::size_t i = 0; i < session.recipe.layers.size(); ++i) {
+    const Layer& layer = *session.recipe.layers[i];
+    if (!layer.enabled) continue;
+    const auto start = std::chrono::steady_clock::now();
+    evaluate(session, progress, i + 1);
+    LayerFigures row{.name = layer.name, .operation = layer.kind};
+    row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const LayerResult* result = find_result(session, i);
+    row.report = result->report;
+    if (!result->mask->weight.empty()) {
+      double sum = 0;
+      for (float weight : result->mask->weight) sum += static_cast<double>(weight);
+      row.selected = sum / static_cast<double>(result->mask->weight.size());
+    }
+    figures.push_back(row);
+  }
+  return figures;
+}
+
+void write_masks(const EditSession& session, const std::string& folder) {
+  std::filesystem::create_directories(folder);
+  for (std::size_t i = 0; i < session.recipe.layers.size(); ++i) {
+    const LayerResult* result = find_result(session, i);
+    if (result == nullptr || result->mask->weight.empty()) continue;
+    Image image{result->mask->width, result->mask->height, 1, result->mask->weight};
+    save_image(fmt::format("{}/layer-{:02}.exr", folder, i + 1), image);
+    for (float& value : image.values) value *= value;  // so that half selected looks half bright
+    save_image(fmt::format("{}/layer-{:02}.png", folder, i + 1), image);
+  }
+}
+
+void save(const EditOptions& options, const Source& source, const EditSession& session,
+          const EditState& result) {
+  const std::string provenance = make_edit_provenance(options.input, source.provenance,
+                                                      options.recipe, write_recipe(session.recipe));
+  const bool wants_blend = std::filesystem::path(options.output).extension() == ".kbm";
+  if (!wants_blend) {
+    if (options.bases)
+      throw Error({{}, "--bases", "an output named .kbm", options.output}, ErrorKind::usage);
+    ProfileMap map = make_profile_map(result);
+    map.provenance = provenance;
+    return save_profile_map(options.output, map);
+  }
+  if (!source.blend)
+    throw Error({options.output,
+                 {},
+                 "an output named .h5, as the input is a map (parian compress "
+                 "makes a blend of it)",
+                 ".kbm"});
+  ProfileBlend blend;
+  try {
+    blend = options.bases ? retarget_bases(*source.blend, result)
+                          : retarget(*source.blend, session.original, result);
+  } catch (const Error& error) {
+    throw Error({options.recipe, error.parts.place, error.parts.expected, error.parts.found});
+  }
+  blend.provenance = provenance;
+  save_blend(options.output, blend,
+             blend.grid == BlendGrid{} ? BlendEncoding::paper : BlendEncoding::packed);
+}
+
+Document to_document(const std::vector<LayerFigures>& figures, const EditState& result) {
+  Document::Array layers;
+  layers.reserve(figures.size());
+  for (const LayerFigures& row : figures) {
+    Document layer{Document::Object{}};
+    set(layer, "name", row.name);
+    set(layer, "operation", row.operation);
+    set(layer, "selected", row.selected);
+    set(layer, "clamped_albedo", row.report.clamped_albedo);
+    set(layer, "clamped_range", row.report.clamped_range);
+    set(layer, "seconds", row.seconds);
+    layers.push_back(std::move(layer));
+  }
+  Document document{Document::Object{}};
+  set(document, "width", result.width);
+  set(document, "height", result.height);
+  set(document, "channels", result.channels);
+  set(document, "layers", std::move(layers));
+  return document;
+}
+
+std::string summarise(const EditOptions& options, const std::vector<LayerFigures>& figures,
+                      const EditState& result) {
+  std::string text = fmt::format("{}: {} x {} pixels, {} channels\n", options.output, result.width,
+                                 result.height, result.channels);
+  for (const LayerFigures& row : figures) {
+    text += fmt::format("  {} ({}): {:.1f} % selected, {:.0f} ms", row.name, row.operation,
+                        100 * row.selected, 1000 * row.seconds);
+    if (row.report.clamped_albedo > 0)
+      text += fmt::format(", {} albedos kept at {}", row.report.clamped_albedo, least_albedo);
+    if (row.report.clamped_range > 0)
+      text += fmt::format(", {} ranges kept at half a pixel", row.report.clamped_range);
+    text += "\n";
+  }
+  return text;
+}
+
+void list_operations() {
+  std::string text;
+  for (const OperationKind& kind : operation_kinds()) {
+    text += fmt::format("{}: {}\n", kind.name, kind.summary);
+    for (const Param& param : kind.params().list)
+      text += fmt::format("  {} = {}  {}{}{}\n", json_key(param), format_value(param), param.help,
+                          format_range(param).empty() ? "" : ", ", format_range(param));
+  }
+  print_summary({}, text);
+}
+
+void edit(const EditOptions& options, const Context& context) {
+  if (options.list) return list_operations();
+  check_output(options.output, {options.input, options.recipe});
+  check_figures(context);
+  const Source source = open_source(options);
+  EditSession session = make_edit_session(source.map, make_loaders(options.recipe));
+  set_recipe(session, load_document(options.recipe));
+  const std::vector<LayerFigures> figures = run_layers(session, context.progress);
+  const EditState result = evaluate(session, context.progress);
+  save(options, source, session, result);
+  if (!options.masks.empty()) write_masks(session, options.masks);
+  write_figures(context, to_document(figures, result));
+  print_summary(context, summarise(options, figures, result));
+}
+
+}  // namespace
+
+CommandSpec make_edit_command() {
+  const auto options = std::make_shared<EditOptions>();
+  CommandSpec command;
+  command.name = "edit";
+  command.summary = "apply a recipe of edits to a profile map or a blend";
+  command.example = "parian edit stone-map.h5 --recipe warmer.json -o warmer-map.h5";
+  command.positionals = {
+      {"MATERIAL", "profile map, or a blend whose shapes stay", &options->input}};
+  command.flags = {
+      {"recipe", 'r', "RECIPE.json", "the edits, layer by layer", &options->recipe,
+       /*required=*/true},
+      {"output", 'o', "FILE", "map (.h5) or, of a blend, blend (.kbm)", &options->output,
+       /*required=*/true},
+      {"masks", 0, "DIR", "also write what each layer selects, as EXR and PNG", &options->masks},
+      {"bases", 0, {}, "edit a blend's base materials, as a map of M x 1 pixels", &options->bases},
+      {"list",
+       0,
+       {},
+       "list the operations and their parameters",
+       &options->list,
+       false,
+       /*alone=*/true}};
+  command.has_figures = true;
+  command.run = [options](const Context& context) { edit(*options, context); };
+  return command;
+}
+
+}  // namespace parian
