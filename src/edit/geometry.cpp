@@ -87,13 +87,19 @@ void resample_pixel(const EditState& state, const Plane& albedo, const Plane& ra
 
 }  // namespace
 
+std::size_t max_pixels(const EditState& like) {
+  const std::size_t bytes = static_cast<std::size_t>(like.channels) *
+                            (like.knots_mm.size() * sizeof(float) + 4 * sizeof(double));
+  return std::min(max_edit_pixels, max_edit_bytes / bytes);
+}
+
 EditState gather_pixels(const EditState& state, const std::vector<std::uint32_t>& index, int width,
                         int height) {
   EditState out = state;
   out.width = width;
   out.height = height;
   PARIAN_CHECK_EQ(index.size(), out.pixels());
-  PARIAN_CHECK_LE(out.pixels(), max_edit_pixels);
+  PARIAN_CHECK_LE(out.pixels(), max_pixels(state));
   auto shapes = std::make_shared<ShapePlanes>();
   shapes->log_profile = AlignedVector<float>(out.values() * state.knots_mm.size());
   auto gain = std::make_shared<Plane>(out.values());
@@ -158,7 +164,7 @@ EditState resample(const EditState& state, int width, int height, const GridMap&
   out.width = width;
   out.height = height;
   out.pixel_pitch_mm = pixel_pitch_mm;
-  PARIAN_CHECK_LE(out.pixels(), max_edit_pixels);
+  PARIAN_CHECK_LE(out.pixels(), max_pixels(state));
   Resampled planes;
   planes.rows = AlignedVector<float>(out.values() * state.knots_mm.size());
   planes.albedo.resize(out.values());

@@ -7,8 +7,10 @@
 
 namespace parian {
 
-// Maps and pictures have at most so many pixels.
+// Maps have at most so many pixels, and so many bytes while they are edited.
 inline constexpr std::size_t max_edit_pixels = std::size_t{1} << 24u;
+inline constexpr std::size_t max_edit_bytes = std::size_t{1} << 32u;
+std::size_t max_pixels(const EditState& like);
 
 // Pixel i of the result is pixel index[i] of the state: whole profiles, so nothing is lost.
 EditState gather_pixels(const EditState& state, const std::vector<std::uint32_t>& index, int width,

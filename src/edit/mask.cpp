@@ -29,27 +29,43 @@ int reflect(int i, int size) {
   return i < size ? i : period - 1 - i;
 }
 
-// out[i] = sum_j kernel[j] in[reflected i + j - reach], `count` samples `stride` apart.
-void blur_line(const float* in, float* out, int count, std::size_t stride,
-               const std::vector<double>& kernel) {
-  const int reach = static_cast<int>(kernel.size()) / 2;
-  for (int i = 0; i < count; ++i) {
-    double sum = 0;
-    for (int j = -reach; j <= reach; ++j)
-      sum += kernel[static_cast<std::size_t>(j + reach)] *
-             static_cast<double>(in[static_cast<std::size_t>(reflect(i + j, count)) * stride]);
-    out[static_cast<std::size_t>(i) * stride] = static_cast<float>(std::min(1.0, sum));
+// A value is the sum of taps[j] times the sample `first + j` beside it.
+struct Kernel {
+  int first = 0;
+  std::vector<double> taps;
+};
+
+// A Gaussian for lines of `size` samples. Mirrored lines repeat after 2 size samples, and so taps
+// beyond are folded onto these.
+Kernel gaussian_kernel(double sigma, int size) {
+  sigma = std::min(sigma, 2.0 * size);  // where every value is the mean to 2e-6
+  const int reach = std::max(1, static_cast<int>(std::ceil(4 * sigma)));
+  const int first = -std::min(reach, size), count = std::min(2 * reach + 1, 2 * size);
+  Kernel kernel{first, std::vector<double>(static_cast<std::size_t>(count))};
+  double sum = 0;
+  for (int j = -reach; j <= reach; ++j) {
+    const double value = std::exp(-0.5 * (j / sigma) * (j / sigma));
+    const int place = (j - first) % (2 * size);
+    kernel.taps[static_cast<std::size_t>(place < 0 ? place + 2 * size : place)] += value;
+    sum += value;
   }
+  for (double& value : kernel.taps) value /= sum;
+  return kernel;
 }
 
-std::vector<double> gaussian_kernel(double sigma) {
-  const int reach = std::max(1, static_cast<int>(std::ceil(3 * sigma)));
-  std::vector<double> kernel(2 * static_cast<std::size_t>(reach) + 1);
-  double sum = 0;
-  for (int j = -reach; j <= reach; ++j)
-    sum += kernel[static_cast<std::size_t>(j + reach)] = std::exp(-0.5 * j * j / (sigma * sigma));
-  for (double& value : kernel) value /= sum;
-  return kernel;
+PARIAN_HOT void add_scaled(const double* PARIAN_RESTRICT from, double factor,
+                           double* PARIAN_RESTRICT to, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) to[i] += factor * from[i];
+}
+
+void blur_row(const float* in, double* out, int width, const Kernel& kernel) {
+  const auto count = static_cast<std::size_t>(width);
+  std::vector<double> mirrored(count + kernel.taps.size());
+  for (std::size_t i = 0; i < mirrored.size(); ++i)
+    mirrored[i] = static_cast<double>(
+        in[static_cast<std::size_t>(reflect(static_cast<int>(i) + kernel.first, width))]);
+  for (std::size_t j = 0; j < kernel.taps.size(); ++j)
+    add_scaled(&mirrored[j], kernel.taps[j], out, count);
 }
 
 PARIAN_HOT void raise_row(const float* PARIAN_RESTRICT from, float factor,
@@ -58,6 +74,88 @@ PARIAN_HOT void raise_row(const float* PARIAN_RESTRICT from, float factor,
     const float value = factor * from[i];
     to[i] = value > to[i] ? value : to[i];
   }
+}
+
+PARIAN_HOT void raise_row_by_two(const float* a, const float* b, float* PARIAN_RESTRICT to,
+                                 std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float value = a[i] > b[i] ? a[i] : b[i];
+    to[i] = value > to[i] ? value : to[i];
+  }
+}
+
+// Rows with `pad` zeros on either side, where each value is the largest of the `span` samples from
+// its own on.
+struct MaxRows {
+  std::size_t width = 0, pad = 0, stride = 0, span = 1;
+  std::vector<float> values;
+  std::vector<unsigned char> is_zero;  // of each row
+
+  const float* row(std::size_t y) const { return &values[y * stride + pad]; }
+};
+
+MaxRows make_max_rows(const Mask& mask, int pad) {
+  MaxRows rows{.width = static_cast<std::size_t>(mask.width), .pad = static_cast<std::size_t>(pad)};
+  rows.stride = rows.width + 2 * rows.pad;
+  rows.values.resize(rows.stride * static_cast<std::size_t>(mask.height));
+  rows.is_zero.resize(static_cast<std::size_t>(mask.height));
+  for (std::size_t y = 0; y < rows.is_zero.size(); ++y) {
+    const float* from = &mask.weight[y * rows.width];
+    std::copy_n(from, rows.width, &rows.values[y * rows.stride + rows.pad]);
+    rows.is_zero[y] = std::all_of(from, from + rows.width, [](float w) { return w == 0; });
+  }
+  return rows;
+}
+
+void double_span(MaxRows& rows) {
+  parallel_for(rows.is_zero.size(), [&](std::size_t y) {
+    float* row = &rows.values[y * rows.stride];
+    for (std::size_t i = 0; i + rows.span < rows.stride; ++i)
+      row[i] = std::max(row[i], row[i + rows.span]);
+  });
+  rows.span *= 2;
+}
+
+// What a disc covers in the rows `dy` above and below its centre: whole pixels up to `half` beside
+// it, then a rim covered in part.
+struct Chord {
+  int half = -1;  // -1: none is whole
+  std::vector<float> rim;
+};
+
+// A pixel's own edge is half a pixel from its centre, and so is its neighbour's: the part covered
+// is 1 up to a distance of the radius, then falls to 0 over a pixel.
+std::vector<Chord> make_chords(double radius, int max_dx, int max_dy) {
+  std::vector<Chord> chords;
+  for (int dy = 0; dy <= max_dy && dy < radius + 1; ++dy) {
+    Chord chord;
+    for (int dx = 0; dx <= max_dx; ++dx) {
+      const double part = radius - std::hypot(dx, dy) + 1;
+      if (part <= 0) break;
+      if (part >= 1)
+        chord.half = dx;
+      else
+        chord.rim.push_back(static_cast<float>(part));
+    }
+    chords.push_back(std::move(chord));
+  }
+  return chords;
+}
+
+// Raises a row by the parts of one chord that the span of `rows` serves: the rim by single samples,
+// the whole pixels by two overlapping spans.
+void raise_by_chord(const MaxRows& rows, const float* from, const Chord& chord, float* to) {
+  if (rows.span == 1) {
+    const int first = chord.half + 1;
+    for (std::size_t i = 0; i < chord.rim.size(); ++i) {
+      const int dx = first + static_cast<int>(i);
+      raise_row(from + dx, chord.rim[i], to, rows.width);
+      if (dx > 0) raise_row(from - dx, chord.rim[i], to, rows.width);
+    }
+  }
+  const int span = static_cast<int>(rows.span), whole = 2 * chord.half + 1;
+  if (whole >= span && whole < 2 * span)
+    raise_row_by_two(from - chord.half, from + chord.half + 1 - span, to, rows.width);
 }
 
 }  // namespace
@@ -86,7 +184,7 @@ Mask make_mask(const Image& image, int width, int height) {
       if (!std::isfinite(value))
         throw Error({.place = fmt::format("pixel ({}, {})", x, y),
                      .expected = "a finite value",
-                     .found = fmt::format("{}", value)});
+                     .found = std::isnan(value) ? "NaN" : fmt::format("{}", value)});
       mask.weight.push_back(std::clamp(value, 0.0f, 1.0f));
     }
   return mask;
@@ -97,8 +195,9 @@ Mask threshold(const double* values, int width, int height, double low, double h
   Mask mask{width, height, {}};
   mask.weight.reserve(mask.pixels());
   for (std::size_t i = 0; i < mask.pixels(); ++i) {
+    // NaN, of values that are NaN, counts as far beyond.
     const double beyond = std::max({low - values[i], values[i] - high, 0.0});
-    const double t = softness > 0 ? std::min(1.0, beyond / softness) : (beyond > 0 ? 1.0 : 0.0);
+    const double t = softness > 0 ? std::min(1.0, beyond / softness) : (beyond <= 0 ? 0.0 : 1.0);
     mask.weight.push_back(static_cast<float>(1 - t * t * (3 - 2 * t)));
   }
   return mask;
@@ -129,46 +228,49 @@ Mask scale(Mask mask, double factor) {
 }
 
 Mask feather(const Mask& mask, double sigma_px) {
-  if (!(sigma_px > 0)) return mask;
-  // Beyond the map's size a mirrored blur is its mean.
-  const std::vector<double> kernel =
-      gaussian_kernel(std::min(sigma_px, 2.0 * std::max(mask.width, mask.height)));
-  Mask rows = mask, blurred = mask;
+  PARIAN_CHECK(std::isfinite(sigma_px));
+  if (sigma_px <= 0 || mask.weight.empty()) return mask;
   const auto width = static_cast<std::size_t>(mask.width);
-  parallel_for(static_cast<std::size_t>(mask.height), [&](std::size_t y) {
-    blur_line(&mask.weight[y * width], &rows.weight[y * width], mask.width, 1, kernel);
+  const auto height = static_cast<std::size_t>(mask.height);
+  const Kernel across = gaussian_kernel(sigma_px, mask.width);
+  const Kernel down = gaussian_kernel(sigma_px, mask.height);
+  std::vector<double> rows(mask.pixels());
+  parallel_for(height, [&](std::size_t y) {
+    blur_row(&mask.weight[y * width], &rows[y * width], mask.width, across);
   });
-  parallel_for(width, [&](std::size_t x) {
-    blur_line(&rows.weight[x], &blurred.weight[x], mask.height, width, kernel);
+  Mask blurred = mask;
+  parallel_for(height, [&](std::size_t y) {
+    std::vector<double> sum(width);
+    for (std::size_t j = 0; j < down.taps.size(); ++j) {
+      const int from = reflect(static_cast<int>(y + j) + down.first, mask.height);
+      add_scaled(&rows[static_cast<std::size_t>(from) * width], down.taps[j], sum.data(), width);
+    }
+    for (std::size_t x = 0; x < width; ++x)
+      blurred.weight[y * width + x] = static_cast<float>(std::min(1.0, sum[x]));
   });
   return blurred;
 }
 
 Mask grow(const Mask& mask, double radius_px) {
+  PARIAN_CHECK(std::isfinite(radius_px));
   if (radius_px < 0) return invert(grow(invert(mask), -radius_px));
-  if (radius_px == 0) return mask;
+  if (radius_px == 0 || mask.weight.empty()) return mask;
   const double radius =
       std::min(radius_px, std::hypot(static_cast<double>(mask.width), mask.height));
-  const int reach = static_cast<int>(std::ceil(radius + 1));
+  const std::vector<Chord> chords = make_chords(radius, mask.width - 1, mask.height - 1);
+  MaxRows rows = make_max_rows(mask, mask.width - 1);
   Mask grown = mask;
-  const auto width = static_cast<std::size_t>(mask.width);
-  parallel_for(static_cast<std::size_t>(mask.height), [&](std::size_t row) {
-    const int y = static_cast<int>(row);
-    for (int dy = std::max(-reach, -y); dy <= std::min(reach, mask.height - 1 - y); ++dy) {
-      const float* from = &mask.weight[static_cast<std::size_t>(y + dy) * width];
-      if (std::all_of(from, from + width, [](float w) { return w == 0; })) continue;
-      for (int dx = -reach; dx <= reach; ++dx) {
-        // From a pixel whose edge is half a pixel beyond its centre: the rim covers pixels in part.
-        const double inside = radius - std::hypot(dx, dy) + 1;
-        if (inside <= 0 || std::abs(dx) >= mask.width) continue;
-        const auto skip = static_cast<std::size_t>(std::max(0, -dx));
-        const std::size_t count = width - static_cast<std::size_t>(std::abs(dx));
-        raise_row(from + static_cast<std::size_t>(std::max(0, dx)),
-                  static_cast<float>(std::min(1.0, inside)), &grown.weight[row * width + skip],
-                  count);
-      }
-    }
-  });
+  const auto widest = static_cast<std::size_t>(2 * chords[0].half + 1);
+  for (;;) {
+    parallel_for(rows.is_zero.size(), [&](std::size_t y) {
+      for (std::size_t dy = 0; dy < chords.size(); ++dy)
+        for (const std::size_t from : {y - dy, y + dy})  // above the map wraps to beyond its end
+          if (from < rows.is_zero.size() && rows.is_zero[from] == 0)
+            raise_by_chord(rows, rows.row(from), chords[dy], &grown.weight[y * rows.width]);
+    });
+    if (2 * rows.span > widest) break;
+    double_span(rows);
+  }
   return grown;
 }
 

@@ -25,7 +25,7 @@ bool is_empty(const Mask& mask);  // all 0
 // Error for another size and for values that are not finite.
 Mask make_mask(const Image& image, int width, int height);
 
-// 1 where low <= value <= high, falling smoothly to 0 over `softness` beyond.
+// 1 where low <= value <= high, falling smoothly to 0 over `softness` beyond; 0 for NaN.
 Mask threshold(const double* values, int width, int height, double low, double high,
                double softness);
 
@@ -36,10 +36,11 @@ Mask subtract(const Mask& a, const Mask& b);   // the smaller of a and 1 - b
 Mask invert(Mask mask);                        // 1 - a
 Mask scale(Mask mask, double factor);          // factor in [0, 1]
 
-// Blurred by a Gaussian, mirrored at the borders.
+// Blurred by a Gaussian, mirrored at the borders; the mean stays. sigma <= 0 changes nothing.
 Mask feather(const Mask& mask, double sigma_px);
-// The largest weight within a disc, whose rim covers pixels in part; a negative radius shrinks, the
-// same of what is not selected.
+// The largest weight within a disc, whose rim covers pixels in part, times that part: a straight
+// edge moves by the radius. A negative radius shrinks, the same of what is not selected. Nothing
+// comes in from beyond the map. The time grows with the radius, not with its square.
 Mask grow(const Mask& mask, double radius_px);
 
 }  // namespace parian

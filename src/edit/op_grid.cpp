@@ -56,9 +56,10 @@ ParamList describe(ResampleParams& params) {
            .unit = "mm"}};
 }
 
-void check_size(const Document& layer, double width, double height) {
-  if (!(width * height <= static_cast<double>(max_edit_pixels)))
-    throw_at(layer, fmt::format("a map of at most {} pixels", max_edit_pixels),
+void check_size(const Document& layer, const EditState& state, double width, double height) {
+  const std::size_t most = max_pixels(state);
+  if (!(width * height <= static_cast<double>(most)))
+    throw_at(layer, fmt::format("a map of at most {} pixels", most),
              fmt::format("{:.0f} x {:.0f}", width, height));
 }
 
@@ -89,6 +90,7 @@ OperationKind make_grid_operation(const char* name, const char* summary, Apply a
 EditState apply_synthesis(const SynthesisParams& params, const LayerContext& context,
                           const Document& layer) {
   const EditState& state = context.input;
+  check_size(layer, state, params.width_px, params.height_px);
   const Plane albedo = albedo_plane(state), range = range_plane(state);
   std::vector<float> planes;
   planes.reserve(2 * albedo.size());
@@ -143,7 +145,7 @@ OperationKind make_tile_operation() {
   return make_grid_operation<TileParams>(
       "tile", "copies side by side",
       [](const TileParams& params, const LayerContext& context, const Document& layer) {
-        check_size(layer, 1.0 * params.nx * context.input.width,
+        check_size(layer, context.input, 1.0 * params.nx * context.input.width,
                    1.0 * params.ny * context.input.height);
         return tile(context.input, params.nx, params.ny, params.mirror);
       });
@@ -170,7 +172,7 @@ OperationKind make_resample_operation() {
       "resample", "the same extent with pixels of another size",
       [](const ResampleParams& params, const LayerContext& context, const Document& layer) {
         const double ratio = context.input.pixel_pitch_mm / params.pixel_pitch_mm;
-        check_size(layer, std::ceil(context.input.width * ratio),
+        check_size(layer, context.input, std::ceil(context.input.width * ratio),
                    std::ceil(context.input.height * ratio));
         return resample_to_pitch(context.input, params.pixel_pitch_mm);
       },

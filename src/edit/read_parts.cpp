@@ -44,7 +44,7 @@ Point2 read_point(const Document& node) {
 }
 
 std::vector<Point2> read_points(const Document& node, std::size_t least) {
-  constexpr std::size_t most = 100'000;
+  constexpr std::size_t most = 20'000;
   const Document::Array& array = as_array(node);
   if (array.size() < least || array.size() > most)
     throw_at(node, fmt::format("an array of {} to {} places [x, y]", least, most));

@@ -13,17 +13,29 @@ bool is_negative(const Color& rgb) {
   return rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
 }
 
-// The largest part of the chroma with which no channel is negative.
-Color reduce_chroma(const Color& oklab) {
-  double low = 0, high = 1;
-  for (int i = 0; i < 24; ++i) {
-    const double middle = 0.5 * (low + high);
-    const bool outside =
-        is_negative(oklab_to_linear({oklab[0], middle * oklab[1], middle * oklab[2]}));
-    (outside ? high : low) = middle;
-  }
-  Color rgb = oklab_to_linear({oklab[0], low * oklab[1], low * oklab[2]});
-  for (double& value : rgb) value = std::max(0.0, value);
+// A recolouring by a part: a turn and a factor of (a, b), a factor of L.
+struct Change {
+  double cosine, sine, lightness;
+};
+
+Change make_change(const Recolor& recolor, double amount) {
+  const double turn = amount * recolor.hue_deg * std::numbers::pi / 180;
+  const double chroma = 1 + amount * (recolor.saturation - 1);
+  const double lightness = 1 + amount * (recolor.lightness - 1);
+  // Chroma follows lightness, so that darker is not more saturated.
+  const double scale = chroma * lightness;
+  return {scale * std::cos(turn), scale * std::sin(turn), lightness};
+}
+
+Color change_color(const Color& albedo, const Change& change) {
+  Color oklab = linear_to_oklab(albedo);
+  oklab = {change.lightness * oklab[0], change.cosine * oklab[1] - change.sine * oklab[2],
+           change.sine * oklab[1] + change.cosine * oklab[2]};
+  Color rgb = oklab_to_linear(oklab);
+  if (!is_negative(rgb)) return rgb;
+  const double part = find_possible_chroma(oklab);
+  rgb = oklab_to_linear({oklab[0], part * oklab[1], part * oklab[2]});
+  for (double& value : rgb) value = std::max(0.0, value);  // of rounding
   return rgb;
 }
 
@@ -54,25 +66,19 @@ bool is_identity(const Recolor& recolor) {
 
 Color recolor_albedo(const Color& albedo, const Recolor& recolor, double amount) {
   if (amount == 0 || is_identity(recolor)) return albedo;
-  Color oklab = linear_to_oklab(albedo);
-  const double turn = amount * recolor.hue_deg * std::numbers::pi / 180;
-  const double c = std::cos(turn), s = std::sin(turn);
-  const double chroma = 1 + amount * (recolor.saturation - 1);
-  const double lightness = 1 + amount * (recolor.lightness - 1);
-  // Chroma follows lightness, so that darker is not more saturated.
-  const double scale = chroma * lightness;
-  oklab = {lightness * oklab[0], scale * (c * oklab[1] - s * oklab[2]),
-           scale * (s * oklab[1] + c * oklab[2])};
-  const Color rgb = oklab_to_linear(oklab);
-  return is_negative(rgb) ? reduce_chroma(oklab) : rgb;
+  return change_color(albedo, make_change(recolor, amount));
 }
 
 void recolor_planes(double* albedo, std::size_t pixels, const Recolor& recolor,
                     const float* amount) {
+  if (is_identity(recolor)) return;
+  const Change whole = make_change(recolor, 1);
   parallel_for_blocks(pixels, 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Color rgb = recolor_albedo({albedo[i], albedo[pixels + i], albedo[2 * pixels + i]},
-                                       recolor, static_cast<double>(amount[i]));
+      if (amount[i] == 0) continue;
+      const Color rgb = change_color(
+          {albedo[i], albedo[pixels + i], albedo[2 * pixels + i]},
+          amount[i] == 1 ? whole : make_change(recolor, static_cast<double>(amount[i])));
       for (std::size_t c = 0; c < 3; ++c) albedo[c * pixels + i] = rgb[c];
     }
   });

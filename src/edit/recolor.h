@@ -9,13 +9,14 @@ namespace parian {
 struct Recolor {
   double hue_deg = 0;     // added to the hue
   double saturation = 1;  // factor on the chroma
-  double lightness = 1;   // factor on the lightness
+  double lightness = 1;   // factor on the lightness and, to keep the saturation, on the chroma
 };
 ParamList describe(Recolor& recolor);
 bool is_identity(const Recolor& recolor);
 
 // `amount` in [0, 1] interpolates the parameters from "no change"; 0 returns the same bits. Where a
-// channel would be negative, chroma falls at constant hue and lightness until none is.
+// channel would be negative, chroma falls at constant hue and lightness until none is. Channels
+// above 1 stay as they are.
 Color recolor_albedo(const Color& albedo, const Recolor& recolor, double amount);
 
 // Planes [3][pixels] in place.

@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <vector>
 
+#include "base/error.h"
 #include "base/random.h"
 
 namespace parian {
@@ -52,7 +56,7 @@ TEST(Recolor, LightnessKeepsHueAndGreysStayGrey) {
   // Lightness times l scales cone responses, and so all channels, by l^3.
   expect_near(darker, {0.6 / 8, 0.3 / 8, 0.2 / 8}, 1e-9);
   const Color grey = recolor_albedo({0.4, 0.4, 0.4}, {120, 3, 1}, 1);
-  expect_near(grey, {0.4, 0.4, 0.4}, 1e-6);
+  expect_near(grey, {0.4, 0.4, 0.4}, 1e-14);
 }
 
 TEST(Recolor, StaysWithinThePossible) {
@@ -61,6 +65,59 @@ TEST(Recolor, StaysWithinThePossible) {
     const Color rgb = recolor_albedo(random_albedo(rng), {360 * sample_uniform(rng), 10, 1}, 1);
     for (double value : rgb) EXPECT_GE(value, 0);
   }
+}
+
+// A colour on the gamut's edge: hue and lightness are kept, and one channel is 0.
+TEST(Recolor, VividColoursLoseChromaAlone) {
+  Rng rng = make_rng(4);
+  for (int i = 0; i < 200; ++i) {
+    const Color albedo = random_albedo(rng);
+    const Color before = oklab_to_oklch(linear_to_oklab(albedo));
+    if (before[1] < 0.02) continue;
+    const Color rgb = recolor_albedo(albedo, {0, 10, 1}, 1);
+    const Color after = oklab_to_oklch(linear_to_oklab(rgb));
+    EXPECT_NEAR(after[0], before[0], 1e-4);
+    EXPECT_NEAR(after[2], before[2], 1e-3);
+    EXPECT_GE(after[1], before[1]);
+    const double least = std::min({rgb[0], rgb[1], rgb[2]});
+    EXPECT_TRUE(least < 1e-8 || after[1] > 9.99 * before[1]);
+  }
+}
+
+TEST(Recolor, AmountsTakePartOfTheChange) {
+  Rng rng = make_rng(5);
+  for (int i = 0; i < 50; ++i) {
+    const Color albedo = random_albedo(rng);
+    expect_near(recolor_albedo(albedo, {80, 0.5, 1.5}, 0.25),
+                recolor_albedo(albedo, {20, 0.875, 1.125}, 1), 1e-12);
+  }
+}
+
+TEST(Recolor, PlanesAreRecolouredPixelByPixel) {
+  constexpr std::size_t pixels = 3000;
+  Rng rng = make_rng(6);
+  std::vector<double> planes(3 * pixels);
+  for (double& value : planes) value = sample_uniform(rng);
+  std::vector<float> amount(pixels);
+  for (std::size_t i = 0; i < pixels; ++i)
+    amount[i] = i % 3 == 2 ? static_cast<float>(sample_uniform(rng)) : static_cast<float>(i % 3);
+  const std::vector<double> before = planes;
+  const Recolor recolor{130, 1.6, 0.8};
+  recolor_planes(planes.data(), pixels, recolor, amount.data());
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const Color expected = recolor_albedo({before[i], before[pixels + i], before[2 * pixels + i]},
+                                          recolor, static_cast<double>(amount[i]));
+    EXPECT_EQ((Color{planes[i], planes[pixels + i], planes[2 * pixels + i]}), expected);
+  }
+}
+
+TEST(Recolor, ParametersAreChecked) {
+  Recolor recolor;
+  EXPECT_NO_THROW(check(describe(recolor)));
+  recolor.saturation = -0.5;
+  EXPECT_THROW(check(describe(recolor)), Error);
+  recolor = {std::numeric_limits<double>::quiet_NaN(), 1, 1};
+  EXPECT_THROW(check(describe(recolor)), Error);
 }
 
 }  // namespace

@@ -18,6 +18,9 @@ double delta_e76(const Color& lab_a, const Color& lab_b);
 
 Color linear_to_oklab(const Color& rgb);  // (L, a, b), white is (1, 0, 0)
 Color oklab_to_linear(const Color& oklab);
+// The part of the chroma with which no channel is negative, of a colour with L >= 0, at its hue and
+// lightness: 1, or where a channel is 0 and turns negative beyond.
+double find_possible_chroma(const Color& oklab);
 // (L, chroma, hue in radians); hue is 0 for greys.
 Color oklab_to_oklch(const Color& oklab);
 Color oklch_to_oklab(const Color& oklch);

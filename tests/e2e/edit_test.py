@@ -132,7 +132,7 @@ class Edit(program.ProgramTest):
             ({"operation": "blend", "from": {"at": [99, 1]}}, "layer 1 ('blend'), "
              "/layers/0/from/at: expected a place in [0, 12] x [0, 10], the map, found (99, 1)"),
             ({"operation": "adjust", "selection": {"type": "polygon", "points": [[0, 0], [1, 1]]}},
-             "/layers/0/selection/points: expected an array of 3 to 100000 places [x, y], found an "
+             "/layers/0/selection/points: expected an array of 3 to 20000 places [x, y], found an "
              "array of 2"),
             ({"operation": "adjust", "selection": {"type": "lasso"}}, "/layers/0/selection/type: "
              "expected 'all', 'rectangle', 'ellipse', 'polygon', 'stroke', 'gradient', 'image', "

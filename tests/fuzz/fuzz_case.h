@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/document.h"
 #include "base/random.h"
 
 namespace parian::fuzz {
@@ -36,6 +37,9 @@ inline double odd_number(Case& c) {
 void fuzz_json(Case& c);
 void fuzz_params(Case& c);
 void fuzz_sample(Case& c);
+void fuzz_recipe(Case& c);
+// Changes one value, key or element somewhere in the document.
+void mutate_document(Case& c, Document& document);
 void fuzz_table(Case& c);
 void fuzz_map(Case& c);
 void fuzz_image(Case& c);

@@ -142,6 +142,11 @@ std::vector<Document> load_samples() {
 
 }  // namespace
 
+void mutate_document(Case& c, Document& document) {
+  std::size_t index = c.below(count_nodes(document));
+  mutate_at(c, document, index);
+}
+
 void fuzz_json(Case& c) {
   static const std::string text =
       R"({"name": "wax", "list": [1, 2.5e-3, -7], "nested": {"a": {"b": [[], {}]}}, "t": "\u00e4"})";
@@ -173,8 +178,7 @@ void fuzz_params(Case& c) {
   Document document = parse_document(
       R"({"flag": true, "segments": 3, "seed": 7, "radius": 2, "name": "x", "knots": [0, 1], "mode": "good"})",
       "fuzz.json");
-  std::size_t index = c.below(count_nodes(document));
-  mutate_at(c, document, index);
+  mutate_document(c, document);
   read_params(document, params);
   if (segments < 0 || segments > 256 || !(radius >= 0))
     throw std::logic_error("a parameter out of range was accepted");
@@ -184,10 +188,7 @@ void fuzz_sample(Case& c) {
   static const std::vector<Document> samples = load_samples();
   if (samples.empty()) return;
   Document document = c.pick(samples);
-  for (std::size_t edits = 1 + c.below(2); edits > 0; --edits) {
-    std::size_t index = c.below(count_nodes(document));
-    mutate_at(c, document, index);
-  }
+  for (std::size_t edits = 1 + c.below(2); edits > 0; --edits) mutate_document(c, document);
   const ImageLoader load = [](const std::string&) { return make_image(3, 2, 3, 0.5f); };
   read_sample(document, load, c.one_in(2) ? -1 : 5);
 }

@@ -91,7 +91,7 @@ int main(int argc, char** argv) {
               static_cast<unsigned long long>(seed));
   std::vector<Kind> kinds{{"json", fuzz_json},   {"params", fuzz_params}, {"sample", fuzz_sample},
                           {"table", fuzz_table}, {"map", fuzz_map},       {"image", fuzz_image},
-                          {"mesh", fuzz_mesh},   {"blend", fuzz_blend}};
+                          {"mesh", fuzz_mesh},   {"blend", fuzz_blend},   {"recipe", fuzz_recipe}};
   const hdf5::TestFolder folder("fuzz");
   const std::string last_name = folder.path.string() + ".seed";
   const int last_case = ::open(last_name.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);

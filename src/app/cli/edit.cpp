@@ -23,7 +23,7 @@ namespace parian {
 namespace {
 
 struct EditOptions {
-  std::string input, recipe, output, masks;
+  std::string input, recipe, output, masks, planes;
   bool bases = false;
   bool list = false;
 };
@@ -108,6 +108,22 @@ void write_masks(const EditSession& session, const std::string& folder) {
     for (float& value : image.values) value *= value;  // so that half selected looks half bright
     save_image(fmt::format("{}/layer-{:02}.png", folder, i + 1), image);
   }
+}
+
+// Channels as colours, in EXR: 2 pi C, alpha and the mean radius in mm.
+void write_planes(const EditState& state, const std::string& folder) {
+  std::filesystem::create_directories(folder);
+  const auto write = [&](const char* name, const Plane& plane) {
+    Image image = make_image(state.width, state.height, state.channels);
+    const auto channels = static_cast<std::size_t>(state.channels);
+    for (std::size_t i = 0; i < plane.size(); ++i)
+      image.values[i % state.pixels() * channels + i / state.pixels()] =
+          static_cast<float>(plane[i]);
+    save_image(fmt::format("{}/{}.exr", folder, name), image);
+  };
+  write("albedo", albedo_plane(state));
+  write("range", range_plane(state));
+  write("mean-radius", mean_radius_plane(state));
 }
 
 void save(const EditOptions& options, const Source& source, const EditSession& session,
@@ -199,6 +215,7 @@ void edit(const EditOptions& options, const Context& context) {
   const EditState result = evaluate(session, context.progress);
   save(options, source, session, result);
   if (!options.masks.empty()) write_masks(session, options.masks);
+  if (!options.planes.empty()) write_planes(result, options.planes);
   write_figures(context, to_document(figures, result));
   print_summary(context, summarise(options, figures, result));
 }
@@ -219,6 +236,8 @@ CommandSpec make_edit_command() {
       {"output", 'o', "FILE", "map (.h5) or, of a blend, blend (.kbm)", &options->output,
        /*required=*/true},
       {"masks", 0, "DIR", "also write what each layer selects, as EXR and PNG", &options->masks},
+      {"planes", 0, "DIR", "also write albedo, range and mean radius of the result, as EXR",
+       &options->planes},
       {"bases", 0, {}, "edit a blend's base materials, as a map of M x 1 pixels", &options->bases},
       {"list",
        0,

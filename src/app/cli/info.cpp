@@ -19,7 +19,7 @@
 #include "io/json/json.h"
 #include "io/mesh/mesh_file.h"
 #include "judge/row_sums.h"
-#include "material/profile_map.h"
+#include "material/properties.h"
 #include "math/statistics.h"
 
 namespace parian {
@@ -112,15 +112,26 @@ Document describe_table(const std::string& path, const Context& context) {
 template <typename Grid>
 void describe_profiles(Document& figures, const Grid& map) {
   std::vector<Statistics> albedo(static_cast<std::size_t>(map.channels));
-  std::vector<Statistics> support(albedo.size());
+  std::vector<Statistics> range(albedo.size()), radius(albedo.size()), support(albedo.size());
+  std::size_t extrapolated = 0, limited = 0;
   for (int c = 0; c < map.channels; ++c)
     for (int y = 0; y < map.height; ++y)
       for (int x = 0; x < map.width; ++x) {
         const Profile profile = get_profile(map, c, x, y);
-        add(albedo[static_cast<std::size_t>(c)], diffuse_albedo(profile));
-        add(support[static_cast<std::size_t>(c)], profile.support_mm);
+        const ProfileProperties properties = measure_properties(profile);
+        const auto channel = static_cast<std::size_t>(c);
+        add(albedo[channel], properties.albedo);
+        add(range[channel], properties.range_mm);
+        add(radius[channel], properties.mean_radius_mm);
+        add(support[channel], profile.support_mm);
+        extrapolated += properties.range_kind == RangeKind::extrapolated ? 1 : 0;
+        limited += properties.range_kind == RangeKind::limited ? 1 : 0;
       }
   set(figures, "albedo", to_document(albedo));
+  set(figures, "range_mm", to_document(range));
+  set(figures, "ranges_extrapolated", extrapolated);
+  set(figures, "ranges_limited", limited);
+  set(figures, "mean_radius_mm", to_document(radius));
   set(figures, "support_mm", to_document(support));
 }
 
