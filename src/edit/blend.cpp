@@ -32,12 +32,9 @@ void mix_shapes(const KnotTable& knots, const ShapeBlock& target, const Source& 
     weight[i] = static_cast<float>(w);
     target_scale[i] = static_cast<float>(target.range_mm[i] * inverse);
     source_scale[i] = static_cast<float>(source.range_mm[i] * inverse);
-    const auto log_of = [](double range, double albedo) {
-      return static_cast<float>(std::log(range * range / albedo));
-    };
-    target_shift[i] = log_of(target.range_mm[i], target.albedo[i]);
-    source_shift[i] = log_of(source.range_mm[i], source.albedo[i]);
   }
+  fill_log_scales(target.range_mm, target.albedo, target_shift);
+  fill_log_scales(source.range_mm, source.albedo, source_shift);
   const ShapeTails target_tails = find_tails(knots, target.rows),
                    source_tails = find_tails(knots, source.rows.data());
   const ShapeRows from_target = view_rows(knots, target.rows, target_tails),
@@ -68,7 +65,8 @@ Plane mix_planes(const EditState& state, const Plane& before, const Mask& mask, 
   return mixed;
 }
 
-// get_albedo(i), get_range(i): the source's properties for value i; fill(block, Source&).
+// get_albedo(i), get_range(i): the source's properties for value i; fill(block, own): what the
+// block mixes in, made in `own` where it is not there already.
 template <typename GetAlbedo, typename GetRange, typename Fill>
 void blend(const BlendAmounts& amounts, EditState& state, const Mask& mask, EditReport& report,
            const GetAlbedo& get_albedo, const GetRange& get_range, const Fill& fill) {
@@ -85,9 +83,9 @@ void blend(const BlendAmounts& amounts, EditState& state, const Mask& mask, Edit
   const KnotTable knots = make_knot_table(state.knots_mm);
   reshape(state, mask.weight, albedo_plane(state), range_plane(state),
           [&](const ShapeBlock& target, float* rows) {
-            Source source;
-            fill(target, source);
-            mix_shapes(knots, target, source, amounts.shape, rows);
+            Source own;
+            const Source* source = fill(target, own);
+            mix_shapes(knots, target, *source, amounts.shape, rows);
           });
 }
 
@@ -149,24 +147,39 @@ void apply(const BlendAmounts& amounts, const EditState& source,
   PARIAN_CHECK(has_same_spacing(source.knots_mm, state.knots_mm));
   const std::size_t pixels = state.pixels(), n = state.knots_mm.size();
   const auto channel_of = [&](std::size_t channel) { return source.channels == 1 ? 0 : channel; };
-  const auto pixel_of = [&](std::size_t pixel) -> std::size_t {
-    return source_pixel.empty() ? 0 : source_pixel[pixel];
-  };
   const auto index = [&](std::size_t i) {
-    return channel_of(i / pixels) * source.pixels() + pixel_of(i % pixels);
+    return channel_of(i / pixels) * source.pixels() +
+           (source_pixel.empty() ? 0 : source_pixel[i % pixels]);
   };
   const Plane albedo = albedo_plane(source), range = range_plane(source);
-  const auto fill = [&](const ShapeBlock& target, Source& out) {
-    const std::size_t channel = channel_of(static_cast<std::size_t>(target.channel));
+  const auto load = [&](std::size_t channel, const auto& pixel_at, Source& out) {
     out.rows = AlignedVector<float>(n * shape_lanes);
     for (std::size_t i = 0; i < shape_lanes; ++i) {
-      const std::size_t pixel = pixel_of(target.first + std::min(i, target.count - 1));
+      const std::size_t pixel = pixel_at(i);
       out.albedo[i] = source.shapes->albedo[channel * source.pixels() + pixel];
       out.range_mm[i] = source.shapes->range_mm[channel * source.pixels() + pixel];
       for (std::size_t k = 0; k < n; ++k)
         out.rows[k * shape_lanes + i] =
             source.shapes->log_profile[(channel * n + k) * source.pixels() + pixel];
     }
+  };
+  std::vector<Source> same;  // of each channel, where all pixels take from one
+  if (source_pixel.empty()) {
+    same.resize(static_cast<std::size_t>(source.channels));
+    for (std::size_t c = 0; c < same.size(); ++c)
+      load(
+          c, [](std::size_t) { return std::size_t{0}; }, same[c]);
+  }
+  const auto fill = [&](const ShapeBlock& target, Source& own) -> const Source* {
+    const std::size_t channel = channel_of(static_cast<std::size_t>(target.channel));
+    if (!same.empty()) return &same[channel];
+    load(
+        channel,
+        [&](std::size_t i) -> std::size_t {
+          return source_pixel[target.first + std::min(i, target.count - 1)];
+        },
+        own);
+    return &own;
   };
   blend(
       amounts, state, mask, report, [&](std::size_t i) { return albedo[index(i)]; },

@@ -128,10 +128,9 @@ void copy_padded(const std::vector<float>& planes, int plane_count, int width, i
       for (std::size_t p = 0; p < to_size(plane_count); ++p) {
         const float* from = planes.data() + (p * to_size(height) + to_size(y)) * to_size(width);
         float* to = padded.values.data() + (to_size(y) * padded.count + first + p) * padded.stride;
-        for (int x = -padded.pad; x < width + padded.pad; ++x) {
-          const double value = scale * static_cast<double>(from[reflect(x, width)]);
-          to[x + padded.pad] = static_cast<float>(std::clamp(value, -1e30, 1e30));
-        }
+        for (int x = -padded.pad; x < width + padded.pad; ++x)
+          to[x + padded.pad] =
+              static_cast<float>(scale * static_cast<double>(from[reflect(x, width)]));
       }
   });
 }
@@ -209,6 +208,14 @@ void filter_rows(const Bilateral& filter, int begin, int end, const std::vector<
     }
 }
 
+// Brings guides to units in which the exponent of the range weight is the squared distance, base 2;
+// bounded so that the smallest sigma_range does not overflow.
+double guide_scale(const std::vector<float>& guide, double sigma_range) {
+  double largest = 1e-30;
+  for (const float value : guide) largest = std::max(largest, std::abs(static_cast<double>(value)));
+  return std::min(std::sqrt(0.5 / std::log(2.0)) / sigma_range, 1e18 / largest);
+}
+
 }  // namespace
 
 void gaussian_filter(const float* in, int width, int height, double sigma_px, float* out) {
@@ -239,8 +246,7 @@ std::vector<float> bilateral_filter(const std::vector<float>& planes, int plane_
       to_size((width + bilateral_chunk - 1) / bilateral_chunk * bilateral_chunk + 2 * padded.pad);
   padded.count = to_size(guide_count) + to_size(plane_count);
   padded.values.assign(to_size(height) * padded.count * padded.stride, 0.0f);
-  // Guides in units in which the exponent of the range weight is the squared distance, base 2.
-  const double scale = std::sqrt(0.5 / std::log(2.0)) / sigma_range;
+  const double scale = guide_scale(guide, sigma_range);
   copy_padded(guide, guide_count, width, height, scale, 0, padded);
   copy_padded(planes, plane_count, width, height, 1, to_size(guide_count), padded);
 

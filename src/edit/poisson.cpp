@@ -214,7 +214,7 @@ Values iterate(Solver& solver, const PoissonParams& params) {
   Values alpha(planes, 0.0);
   solver.rz.assign(planes, 0.0);
   step(solver, alpha);  // fills rr and the preconditioner's right-hand side
-  const Values before = solver.rr;
+  Values before = solver.rr;
   solver.goal = before;
   for (double& goal : solver.goal) goal *= params.tolerance * params.tolerance;
   while (solver.iterations < params.max_iterations && !is_done(solver)) {
@@ -265,7 +265,7 @@ double measure(const Problem& problem, const Values& f, const Values& scales, co
   const Values after = find_residual(problem, f, solver.mask, divisors, solver.shape, solver.q);
   double worst = 0;
   for (std::size_t p = 0; p < scales.size(); ++p)
-    if (scales[p] > 0) worst = std::max(worst, std::sqrt(after[p] / before[p]));
+    if (before[p] > 0) worst = std::max(worst, std::sqrt(after[p] / before[p]));
   return worst;
 }
 

@@ -43,7 +43,7 @@ void scale_row(const float* scale, const float* b, float omega, int count, float
 
 // Bilinear transfer, weights 1/2 1 1/2: coarse pixel i lies on fine pixel 2i, and a last fine pixel
 // without a coarse one beyond it follows the coarse pixel before it (Neumann).
-// coarse = mask Pᵀ(last, here, next), the fine rows around a coarse row, next weighted next_weight.
+// coarse = mask Pᵀ(last, here, next): the fine rows around a coarse row, next times next_weight.
 void restrict_rows(const float* last, const float* here, const float* next, float next_weight,
                    const float* mask, int fine_width, int coarse_width, float* work, float* coarse);
 // fine += mask P(1/2 (a + b)).

@@ -84,8 +84,7 @@ void prolong_to(const MultigridLevel& from, const MultigridLevel& to, int planes
   });
 }
 
-// Sum of the couplings of a pixel to the row (dx = 0, dy = ±1) or column (dx = ±1, dy = 0) of
-// pixels beside it, and of all its couplings but itself along that direction.
+// Sums of the couplings of a pixel to the column on its left and to the row above.
 float couple_column(const MultigridLevel& level, std::size_t i, std::size_t step) {
   float sum = level.right[i - 1];
   if (!level.down_right.empty()) sum += level.down_right[i - step - 1] + level.down_left[i];
@@ -183,22 +182,8 @@ MultigridLevel make_coarse_mask(const MultigridLevel& fine) {
   return level;
 }
 
-// Galerkin operator PᵀAP, read off nine probes at once: a coarse cell couples to its eight
-// neighbours only, so cells three apart in x and y share a probe. `singular`: A annihilates
-// constants, so the diagonal follows from the couplings without rounding.
-MultigridLevel make_coarse(const MultigridLevel& fine, bool singular) {
-  MultigridLevel level = make_coarse_mask(fine);
-  const GridShape one = level.shape, c = one.with(9), f = fine.shape.with(9);
-  std::vector<float> probe(c.size()), spread(f.size()), image(f.size());
-  const std::vector<float> zero(f.size());
-  for (int y = 0; y < one.height; ++y)
-    for (int x = 0; x < one.width; ++x)
-      probe[c.row(y, y % 3 * 3 + x % 3) + static_cast<std::size_t>(x)] =
-          level.mask[one.row(y) + static_cast<std::size_t>(x)];
-  prolong_to(level, fine, 9, probe, spread);
-  sweep(fine, 9, fine.weight, zero, spread, -1, 0, image);
-  restrict_to(fine, level, 9, image, probe);
-
+// Reads the couplings of a level off the images of its nine probes.
+void read_couplings(const std::vector<float>& images, MultigridLevel& level) {
   struct Coupling {
     std::vector<float>* values;
     int dx, dy;
@@ -208,26 +193,47 @@ MultigridLevel make_coarse(const MultigridLevel& fine, bool singular) {
                                 {&level.down, 0, 1},
                                 {&level.down_right, 1, 1},
                                 {&level.down_left, -1, 1}};
+  const GridShape one = level.shape, all = one.with(9);
   for (const Coupling& coupling : couplings) {
     coupling.values->assign(one.size(), 0.0f);
     for (int y = 0; y < one.height - coupling.dy; ++y)
       for (int x = std::max(0, -coupling.dx); x < one.width - std::max(0, coupling.dx); ++x) {
         const int to_x = x + coupling.dx, to_y = y + coupling.dy;
-        const std::size_t i = one.row(y) + static_cast<std::size_t>(x);
         if (level.mask[one.row(to_y) + static_cast<std::size_t>(to_x)] == 0) continue;
-        (*coupling.values)[i] =
-            probe[c.row(y, to_y % 3 * 3 + to_x % 3) + static_cast<std::size_t>(x)];
+        (*coupling.values)[one.row(y) + static_cast<std::size_t>(x)] =
+            images[all.row(y, to_y % 3 * 3 + to_x % 3) + static_cast<std::size_t>(x)];
       }
   }
-  if (singular) {
-    const std::size_t step = one.row(1) - one.row(0);
-    for (int y = 0; y < one.height; ++y)
-      for (std::size_t i = one.row(y), end = i + static_cast<std::size_t>(one.width); i < end; ++i)
-        level.self[i] =
-            -((level.right[i] + level.right[i - 1]) + (level.down[i] + level.down[i - step]) +
-              (level.down_right[i] + level.down_right[i - step - 1]) +
-              (level.down_left[i] + level.down_left[i - step + 1]));
-  }
+}
+
+// The diagonal of an operator that annihilates constants, from the couplings without rounding.
+void balance_diagonal(MultigridLevel& level) {
+  const GridShape one = level.shape;
+  const std::size_t step = one.row(1) - one.row(0);
+  for (int y = 0; y < one.height; ++y)
+    for (std::size_t i = one.row(y), end = i + static_cast<std::size_t>(one.width); i < end; ++i)
+      level.self[i] =
+          -((level.right[i] + level.right[i - 1]) + (level.down[i] + level.down[i - step]) +
+            (level.down_right[i] + level.down_right[i - step - 1]) +
+            (level.down_left[i] + level.down_left[i - step + 1]));
+}
+
+// Galerkin operator PᵀAP, read off nine probes at once: a coarse pixel couples to its eight
+// neighbours only, so pixels three apart in x and y share a probe.
+MultigridLevel make_coarse(const MultigridLevel& fine, bool singular) {
+  MultigridLevel level = make_coarse_mask(fine);
+  const GridShape one = level.shape, all = one.with(9), f = fine.shape.with(9);
+  std::vector<float> probes(all.size()), spread(f.size()), images(f.size());
+  const std::vector<float> zero(f.size());
+  for (int y = 0; y < one.height; ++y)
+    for (int x = 0; x < one.width; ++x)
+      probes[all.row(y, y % 3 * 3 + x % 3) + static_cast<std::size_t>(x)] =
+          level.mask[one.row(y) + static_cast<std::size_t>(x)];
+  prolong_to(level, fine, 9, probes, spread);
+  sweep(fine, 9, fine.weight, zero, spread, -1, 0, images);
+  restrict_to(fine, level, 9, images, probes);
+  read_couplings(probes, level);
+  if (singular) balance_diagonal(level);
   finish_level(level);
   return level;
 }

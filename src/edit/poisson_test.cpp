@@ -216,6 +216,24 @@ TEST(Poisson, WholeImageSolvesForACosineModeAndKeepsTheMean) {
   EXPECT_EQ(report.free_components, 1);
 }
 
+TEST(Poisson, WholeImagesOfAnyShapeAreSolvedAndKeepTheirMeans) {
+  const int sizes[][2] = {{2, 1}, {6, 5}, {8, 8}, {1, 90}, {90, 1}, {2, 70}, {65, 3}, {33, 34}};
+  std::uint64_t seed = 61;
+  for (const auto& size : sizes) {
+    Case c = random_case(size[0], size[1], 2, 1, seed++);
+    c.region.assign(c.size(), 1);
+    PoissonReport report;
+    const Values f = solve(c, 1e-10, &report);
+    EXPECT_LE(report.relative_residual, 2e-10) << size[0] << 'x' << size[1];
+    EXPECT_LT(report.iterations, 25) << size[0] << 'x' << size[1];
+    for (std::size_t p = 0; p < 2; ++p) {
+      double change = 0;
+      for (std::size_t i = p * c.size(); i < (p + 1) * c.size(); ++i) change += f[i] - c.target[i];
+      EXPECT_NEAR(change / static_cast<double>(c.size()), 0, 1e-12);
+    }
+  }
+}
+
 TEST(Poisson, BordersOfTheImageAreNeumann) {
   // Zero gradients, only the left column given: each row of pixels copies nothing but constants.
   Case c = random_case(23, 16, 1, 1, 19);

@@ -81,11 +81,9 @@ void apply(const ShapeEdit& edit, EditState& state, const Mask& mask) {
     ShapeCurves curves{scale.data(), offset.data(), static_cast<int>(samples), {}, {}, {}};
     for (std::size_t i = 0; i < shape_lanes; ++i) {
       curves.inverse_range[i] = static_cast<float>(1 / block.range_mm[i]);
-      // ln S = ln P + ln(alpha^2 / C), C = albedo / 2 pi
-      curves.shift[i] = static_cast<float>(
-          std::log(6.283185307179586 * block.range_mm[i] * block.range_mm[i] / block.albedo[i]));
       curves.exponent[i] = 1 + block.amount[i] * (static_cast<float>(edit.falloff) - 1);
     }
+    fill_log_scales(block.range_mm, block.albedo, curves.shift);
     for (std::size_t k = 0; k < knots; ++k)
       bend_shape_row(&curves, static_cast<float>(state.knots_mm[k]), block.rows + k * shape_lanes,
                      block.rows, block.amount, rows + k * shape_lanes);

@@ -35,6 +35,7 @@ struct ShapeRows {
   const float* tail_slope;  // [lane], of ln P beyond the last knot
   const float* support;     // [lane], mm: ends there (log_of_zero)
   float bins_per_mm;
+  float knots_per_mm;  // 0: not uniform
   int knots;
 };
 inline constexpr float log_of_zero = -1e4f;
@@ -45,6 +46,12 @@ struct ShapeTails {
   alignas(64) float support[shape_lanes];
 };
 ShapeTails find_tails(const KnotTable& knots, const float* rows);
+// From the largest ln P, that before the last knot and that at it.
+void finish_tails(const float* top, const float* before, const float* end, float last_radius,
+                  float last_length, ShapeTails* tails);
+void raise_row(const float* row, float* top);
+// ln(alpha^2 / C) of 2 pi C and alpha: what turns ln P into ln S.
+void fill_log_scales(const double* range, const double* albedo, float* out);
 // Refers to all three.
 ShapeRows view_rows(const KnotTable& knots, const float* rows, const ShapeTails& tails);
 

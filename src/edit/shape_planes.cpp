@@ -15,6 +15,12 @@ KnotTable make_knot_table(const std::vector<double>& knots_mm) {
   double shortest = knots_mm.back();
   for (std::size_t k = 1; k < knots_mm.size(); ++k)
     shortest = std::min(shortest, knots_mm[k] - knots_mm[k - 1]);
+  double longest = 0;
+  for (std::size_t k = 1; k < knots_mm.size(); ++k)
+    longest = std::max(longest, knots_mm[k] - knots_mm[k - 1]);
+  if (longest - shortest < 1e-7 * longest)
+    table.knots_per_mm =
+        static_cast<float>(static_cast<double>(knots_mm.size() - 1) / knots_mm.back());
   // At most one knot lies inside a bin; beyond a few thousand bins lookups walk a little.
   const int bins =
       static_cast<int>(std::clamp(std::ceil(1.01 * knots_mm.back() / shortest), 1.0, 8192.0));
@@ -34,18 +40,11 @@ KnotTable make_knot_table(const std::vector<double>& knots_mm) {
 ShapeTails find_tails(const KnotTable& knots, const float* rows) {
   ShapeTails tails;
   const std::size_t n = knots.radius.size() - 1;
-  const float last = knots.radius_float[n], length = last - knots.radius_float[n - 1];
-  const auto least = static_cast<float>(-min_tail_decay / knots.radius[n]);
-  for (std::size_t i = 0; i < shape_lanes; ++i) {
-    float top = rows[i];
-    for (std::size_t k = 1; k <= n; ++k) top = std::max(top, rows[k * shape_lanes + i]);
-    const float end = rows[n * shape_lanes + i];
-    const float level = top - 9.2103404f;  // ln of support_threshold
-    tails.slope[i] = std::min(least, (end - rows[(n - 1) * shape_lanes + i]) / length);
-    const float crossing = end > level ? last + (level - end) / tails.slope[i] : last;
-    // A little more, so that rounding never cuts off the last knot.
-    tails.support[i] = 1.00001f * std::min(crossing, static_cast<float>(support_limit) * last);
-  }
+  alignas(64) float top[shape_lanes];
+  std::copy_n(rows, shape_lanes, top);
+  for (std::size_t k = 1; k <= n; ++k) raise_row(rows + k * shape_lanes, top);
+  finish_tails(top, rows + (n - 1) * shape_lanes, rows + n * shape_lanes, knots.radius_float[n],
+               knots.radius_float[n] - knots.radius_float[n - 1], &tails);
   return tails;
 }
 
@@ -56,6 +55,7 @@ ShapeRows view_rows(const KnotTable& knots, const float* rows, const ShapeTails&
           .tail_slope = tails.slope,
           .support = tails.support,
           .bins_per_mm = knots.bins_per_mm,
+          .knots_per_mm = knots.knots_per_mm,
           .knots = static_cast<int>(knots.radius.size())};
 }
 

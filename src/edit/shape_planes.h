@@ -26,6 +26,7 @@ struct KnotTable {
   std::vector<float> radius_float;  // the same
   std::vector<int> segment_of_bin;  // of bins of equal width up to the last knot
   float bins_per_mm = 0;
+  float knots_per_mm = 0;  // of knots at equal distances; 0: they are not
 };
 KnotTable make_knot_table(const std::vector<double>& knots_mm);
 
