@@ -82,19 +82,14 @@ Profile mix_shapes(const Profile& a, const Profile& b, double w) {
 double profile_range(const Profile& profile, RangeKind* kind) {
   const auto& [knots, value, support] = profile;
   const double level = *std::max_element(value.begin(), value.end()) + std::log(support_threshold);
-  RangeKind found = RangeKind::measured;
-  double range = knots.back();
-  if (value.back() > level) {
-    range = support;
-    found = support < support_limit * knots.back() ? RangeKind::extrapolated : RangeKind::limited;
-  } else {
-    std::size_t k = knots.size() - 1;
-    while (value[k - 1] <= level) --k;  // ends before 0: the maximum lies above the level
-    const double drop = value[k - 1] - value[k];
-    range = knots[k - 1] + (knots[k] - knots[k - 1]) * ((value[k - 1] - level) / drop);
-  }
-  if (kind != nullptr) *kind = found;
-  return range;
+  const bool inside = value.back() <= level, limited = support >= support_limit * knots.back();
+  if (kind != nullptr)
+    *kind = inside ? RangeKind::measured : limited ? RangeKind::limited : RangeKind::extrapolated;
+  if (!inside) return support;
+  std::size_t k = knots.size() - 1;
+  while (value[k - 1] <= level) --k;  // ends before 0: the maximum lies above the level
+  const double drop = value[k - 1] - value[k];
+  return knots[k - 1] + (knots[k] - knots[k - 1]) * ((value[k - 1] - level) / drop);
 }
 
 ProfileProperties measure_properties(const Profile& profile) {
