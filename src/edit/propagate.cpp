@@ -247,9 +247,6 @@ ParamList describe(PropagateParams& params) {
        .target = &params.max_iterations,
        .min = 0,
        .max = 100'000},
-      {.name = "rest",
-       .help = "let the rest of the image compete with the strokes",
-       .target = &params.rest},
   };
 }
 

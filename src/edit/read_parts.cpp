@@ -87,13 +87,13 @@ EditState get_source_map(const ProfileSource& source, const EditState& frame) {
   if (map.channels != frame.channels && map.channels != 1)
     throw_at(source.node, fmt::format("a map with {} channels, or 1", frame.channels),
              fmt::format("{}", map.channels));
-  if (map.boundary != frame.boundary || map.eta != frame.eta) {
-    const auto describe_boundary = [](const EditState& state) {
-      return fmt::format("boundary '{}' with eta {}",
-                         state.boundary == Boundary::included ? "included" : "excluded", state.eta);
-    };
-    throw_at(source.node, "a map with " + describe_boundary(frame), describe_boundary(map));
-  }
+  // eta may differ: it is the edited map's from then on.
+  const auto name_of = [](const EditState& state) {
+    return state.boundary == Boundary::included ? "included" : "excluded";
+  };
+  if (map.boundary != frame.boundary)
+    throw_at(source.node, fmt::format("a map with boundary '{}'", name_of(frame)),
+             fmt::format("'{}'", name_of(map)));
   return match_knots(map, frame.knots_mm);
 }
 

@@ -96,7 +96,8 @@ Recipe read_recipe(const Document& document, RecipeResources& resources, const R
   check_keys(document, {"$schema", "format", "version", "description", "layers"});
   if (const Document* format = find(document, "format"))
     if (as_string(*format) != "parian-recipe") throw_at(*format, "'parian-recipe'");
-  if (const Document* version = find(document, "version")) as_int(*version, 1, 1);
+  if (const Document* version = find(document, "version"); version && as_number(*version) != 1)
+    throw_at(*version, "version 1");
   if (const Document* text = find(document, "description")) as_string(*text);
   Recipe recipe;
   recipe.source = document;

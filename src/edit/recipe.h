@@ -112,6 +112,8 @@ const std::vector<std::string>& layer_keys();
 Selection read_selection(const Document& node, RecipeResources& resources);
 // Selects all.
 Selection make_whole_selection();
+// The types of selections with their own keys.
+std::vector<std::pair<std::string, std::vector<std::string>>> selection_keys();
 
 // Same type and value all the way down; files and places do not matter.
 bool is_same_value(const Document& a, const Document& b);

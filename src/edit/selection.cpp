@@ -289,6 +289,13 @@ Selection make_whole_selection() {
   }};
 }
 
+std::vector<std::pair<std::string, std::vector<std::string>>> selection_keys() {
+  std::vector<std::pair<std::string, std::vector<std::string>>> keys;
+  keys.reserve(selection_kinds().size());
+  for (const SelectionKind& kind : selection_kinds()) keys.emplace_back(kind.name, kind.keys);
+  return keys;
+}
+
 Selection read_selection(const Document& node, RecipeResources& resources) {
   std::vector<std::string> names;
   for (const SelectionKind& kind : selection_kinds()) names.push_back(kind.name);

@@ -78,7 +78,12 @@ void apply(const ShapeEdit& edit, EditState& state, const Mask& mask) {
                              offset = sample_points(edit.offset, 0);
   const std::size_t knots = state.knots_mm.size();
   const auto make_rows = [&](const ShapeBlock& block, float* rows) {
-    ShapeCurves curves{scale.data(), offset.data(), static_cast<int>(samples), {}, {}, {}};
+    ShapeCurves curves{scale.data(),
+                       edit.offset.empty() ? nullptr : offset.data(),
+                       static_cast<int>(samples),
+                       {},
+                       {},
+                       {}};
     for (std::size_t i = 0; i < shape_lanes; ++i) {
       curves.inverse_range[i] = static_cast<float>(1 / block.range_mm[i]);
       curves.exponent[i] = 1 + block.amount[i] * (static_cast<float>(edit.falloff) - 1);

@@ -60,11 +60,13 @@ constexpr double two_pi = 6.283185307179586;
   const double inverse = 1 / (small ? 1.0 : beta);
   const double by_ends = (p1 - p0) * inverse;
   const double by_ends_psi = (p1 - by_ends) * inverse;
+  // Products, not quotients: a division costs as much as all the rest.
   const double phi =
-      1 + beta / 2 * (1 + beta / 3 * (1 + beta / 4 * (1 + beta / 5 * (1 + beta / 6))));
+      1 +
+      beta * (0.5 + beta * (1.0 / 6 + beta * (1.0 / 24 + beta * (1.0 / 120 + beta * (1.0 / 720)))));
   const double psi =
-      1.0 / 2 +
-      beta * (1.0 / 3 + beta * (1.0 / 8 + beta * (1.0 / 30 + beta * (1.0 / 144 + beta / 840))));
+      0.5 + beta * (1.0 / 3 +
+                    beta * (1.0 / 8 + beta * (1.0 / 30 + beta * (1.0 / 144 + beta * (1.0 / 840)))));
   return h * (r0 * (small ? p0 * phi : by_ends) + h * (small ? p0 * psi : by_ends_psi));
 }
 
@@ -201,15 +203,39 @@ PARIAN_HOT void mix_shape_rows(const float* PARIAN_RESTRICT a, const float* PARI
                                const float* PARIAN_RESTRICT w, float* PARIAN_RESTRICT out) {
   for (std::size_t i = 0; i < shape_lanes; ++i) {
     const float ya = a[i] + a_shift[i], yb = b[i] + b_shift[i];
-    const float top = ya > yb ? ya : yb;
-    const float sum = (1 - w[i]) * exp_lane_float(ya - top) + w[i] * exp_lane_float(yb - top);
-    out[i] = top + fast_log(sum);
+    const bool first = ya > yb;  // the larger of both counts as 1
+    const float top = first ? ya : yb, low = first ? yb : ya;
+    const float of_top = first ? 1 - w[i] : w[i];
+    out[i] = top + fast_log(of_top + (1 - of_top) * exp_lane_float(low - top));
   }
 }
 
-PARIAN_HOT void bend_shape_row(const ShapeCurves* curves, float radius,
-                               const float* PARIAN_RESTRICT row, const float* PARIAN_RESTRICT first,
-                               const float* PARIAN_RESTRICT amount, float* PARIAN_RESTRICT out) {
+namespace {
+
+// Without offsets: ln S' = ln S0 + exponent ln(S / S0) + ln scale.
+PARIAN_HOT void scale_shape_row(const ShapeCurves* curves, float radius,
+                                const float* PARIAN_RESTRICT row,
+                                const float* PARIAN_RESTRICT first,
+                                const float* PARIAN_RESTRICT amount, float* PARIAN_RESTRICT out) {
+  const auto samples = static_cast<float>(curves->samples);
+  const float* PARIAN_RESTRICT scales = curves->scale;
+  for (int i = 0; i < static_cast<int>(shape_lanes); ++i) {
+    const float u = radius * curves->inverse_range[i];
+    const float place = (u < 1 ? u : 1.0f) * samples;
+    const int bin = static_cast<int>(place < samples ? place : samples - 1);
+    const float s0 = scales[bin], s1 = scales[bin + 1];
+    const float s = s0 + (place - static_cast<float>(bin)) * (s1 - s0);
+    const float scale = 1 + amount[i] * (s - 1);
+    const float log_bent = curves->exponent[i] * (row[i] - first[i]);
+    const float capped = log_bent > 0 ? 0.0f : log_bent;  // a rise is cut off here already
+    out[i] = first[i] + curves->shift[i] + capped + fast_log(scale > 1e-30f ? scale : 1e-30f);
+  }
+}
+
+PARIAN_HOT void bend_general_row(const ShapeCurves* curves, float radius,
+                                 const float* PARIAN_RESTRICT row,
+                                 const float* PARIAN_RESTRICT first,
+                                 const float* PARIAN_RESTRICT amount, float* PARIAN_RESTRICT out) {
   const auto samples = static_cast<float>(curves->samples);
   for (std::size_t i = 0; i < shape_lanes; ++i) {
     const float u = radius * curves->inverse_range[i];
@@ -227,6 +253,14 @@ PARIAN_HOT void bend_shape_row(const ShapeCurves* curves, float radius,
     const float bent = scale * exp_lane_float(capped) + offset * exp_lane_any(-log_first);
     out[i] = log_first + fast_log(bent > 1e-30f ? bent : 1e-30f);
   }
+}
+
+}  // namespace
+
+void bend_shape_row(const ShapeCurves* curves, float radius, const float* row, const float* first,
+                    const float* amount, float* out) {
+  if (curves->offset == nullptr) return scale_shape_row(curves, radius, row, first, amount, out);
+  bend_general_row(curves, radius, row, first, amount, out);
 }
 
 }  // namespace parian

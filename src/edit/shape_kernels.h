@@ -65,7 +65,7 @@ void mix_shape_rows(const float* a, const float* a_shift, const float* b, const 
 // S' = scale(u) S0 (S / S0)^exponent + offset(u), per lane interpolated by `amount`.
 struct ShapeCurves {
   const float* scale;   // [samples + 1] over u in [0, 1]
-  const float* offset;  // likewise; 0 beyond u = 1
+  const float* offset;  // likewise; 0 beyond u = 1; null: none
   int samples;
   alignas(64) float inverse_range[shape_lanes];
   alignas(64) float shift[shape_lanes];  // ln S - ln P

@@ -193,14 +193,29 @@ std::string summarise(const EditOptions& options, const std::vector<LayerFigures
   return text;
 }
 
-void list_operations() {
+// "a, b, c"
+std::string join(const std::vector<std::string>& names) {
   std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+void list_operations() {
+  std::string text = "operations\n";
   for (const OperationKind& kind : operation_kinds()) {
-    text += fmt::format("{}: {}\n", kind.name, kind.summary);
-    for (const Param& param : kind.params().list)
+    text += fmt::format("\n{}: {}\n", kind.name, kind.summary);
+    const OperationKind::Params params = kind.params();
+    std::vector<std::string> others = kind.keys;
+    for (const Param& param : params.list) {
+      std::erase(others, json_key(param));
       text += fmt::format("  {} = {}  {}{}{}\n", json_key(param), format_value(param), param.help,
                           format_range(param).empty() ? "" : ", ", format_range(param));
+    }
+    if (!others.empty()) text += "  and " + join(others) + "\n";
   }
+  text += "\nselections, each with grow, feather, invert, unit\n";
+  for (const auto& [name, keys] : selection_keys())
+    text += fmt::format("  {}{}{}\n", name, keys.empty() ? "" : ": ", join(keys));
   print_summary({}, text);
 }
 
