@@ -172,6 +172,37 @@ class Edit(program.ProgramTest):
         self.fail_with(1, "table.h5: expected a profile map or a blend (parian fit makes one), found "
                        "a table", "edit", "table.h5", "-r", "recipe.json", "-o", "out.h5")
 
+class Examples(program.ProgramTest):
+    """The recipes of examples/recipes, on one small map that stands in for all that they name."""
+
+    FILES = ("map", "image", "photograph", "guidance", "file", "table")
+
+    def files(self, node):
+        if isinstance(node, dict):
+            for key, value in node.items():
+                if key in self.FILES and isinstance(value, str):
+                    yield value
+                yield from self.files(value)
+        elif isinstance(node, list):
+            for value in node:
+                yield from self.files(value)
+
+    def test_each_recipe_applies(self):
+        self.write_json("sample.json", program.sample(width=60, height=56))
+        self.succeed("simulate", "sample.json", "-o", "table.h5", "--quiet")
+        self.succeed("fit", "table.h5", "-o", "map.h5", "--quiet")
+        self.succeed("relight", "map.h5", "--light", "uniform", "-o", "map.png", "--quiet")
+        paths = sorted((program.SOURCE / "examples/recipes").glob("*.json"))
+        self.assertGreater(len(paths), 10)
+        for path in paths:
+            with self.subTest(recipe=path.name):
+                for name in self.files(json.loads(path.read_text())):
+                    stand_in = ("map.png" if name.endswith(".png") else
+                                "map.h5" if name.endswith("-map.h5") else "table.h5")
+                    (self.folder / name).write_bytes(self.read_bytes(stand_in))
+                (self.folder / "recipe.json").write_bytes(path.read_bytes())
+                self.succeed("edit", "map.h5", "-r", "recipe.json", "-o", "out.h5", "--quiet")
+
 
 if __name__ == "__main__":
     program.main()
