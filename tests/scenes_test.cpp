@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,9 @@ TEST(Scenes, EveryExampleReads) {
   }
   EXPECT_GE(count, 3);
 }
+
+const char* const mask_types[] = {"vertex", "texture", "projected", "gradient",
+                                  "sphere", "slab",    "noise",     "stripes"};
 
 std::vector<std::string> keys_of(const Document& object) {
   std::vector<std::string> keys;
@@ -87,7 +91,7 @@ TEST(Scenes, SchemaHasTheReadersKeys) {
   expect_known(example, "mesh", keys_of(get(get(get(schema, "properties"), "mesh"), "properties")));
   for (const char* group : {"camera", "mapping", "specular"})
     expect_known(example, group, keys_of(get(get(definitions, group), "properties")));
-  const auto& kinds = as_array(get(get(get(schema, "properties"), "material"), "oneOf"));
+  const auto& kinds = as_array(get(get(definitions, "material"), "oneOf"));
   for (const Document& kind : kinds)
     expect_known(example, "material", keys_of(get(kind, "properties")));
   for (const char* type : {"directional", "point", "environment"})
@@ -102,6 +106,40 @@ TEST(Scenes, SchemaHasTheReadersKeys) {
       } catch (const Error& error) {
         EXPECT_EQ(std::string(error.what()).find("known key"), std::string::npos) << type << key;
       }
+    }
+}
+
+// What the reader says of a layer.
+std::string error_of_layer(const Document& layer) {
+  Document scene = load_document(source_folder + "examples/scenes/knot-marble.json");
+  set(scene, "layers", Document::Array{layer});
+  try {
+    read_scene(scene, make_loaders());
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Scenes, SchemaHasTheReadersKeysOfLayers) {
+  const Document schema = load_schema();
+  const Document& definitions = get(schema, "$defs");
+  const auto expect_known_in_layer = [](const Document& layer) {
+    EXPECT_EQ(error_of_layer(layer).find("known key"), std::string::npos) << error_of_layer(layer);
+  };
+  for (const std::string& key : keys_of(get(get(definitions, "layer"), "properties"))) {
+    Document layer{Document::Object{}};
+    set(layer, key, Document(nullptr));
+    expect_known_in_layer(layer);
+  }
+  EXPECT_EQ(as_array(get(get(definitions, "mask"), "oneOf")).size(), std::size(mask_types));
+  for (const std::string type : mask_types)
+    for (const std::string& key : keys_of(get(get(definitions, type + "_mask"), "properties"))) {
+      Document mask{Document::Object{}}, layer{Document::Object{}};
+      set(mask, key, Document(nullptr));
+      set(mask, "type", type);
+      set(layer, "mask", mask);
+      expect_known_in_layer(layer);
     }
 }
 
@@ -120,7 +158,7 @@ void expect_agreement(const Document& definition, const ParamList& params, std::
         EXPECT_EQ(format_value(param), as_string(*value)) << param.name;
       }
     }
-    const Document* minimum = find(property, "minimum");
+    const Document* minimum = find(property, param.above_min ? "exclusiveMinimum" : "minimum");
     EXPECT_EQ(minimum != nullptr, std::isfinite(param.min)) << param.name;
     if (minimum != nullptr) {
       EXPECT_EQ(as_number(*minimum), param.min) << param.name;
@@ -136,6 +174,20 @@ TEST(Scenes, SchemaHasTheDescribedRanges) {
   expect_agreement(get(definitions, "camera"), describe(scene.camera), 3);
   expect_agreement(get(definitions, "mapping"), describe(scene.mapping), 1);
   expect_agreement(get(definitions, "specular"), describe(scene.specular), 0);
+  SurfaceLayer layer;
+  expect_agreement(get(definitions, "layer"), describe(layer), 4);
+  // Beside the type and whether it is inverted.
+  const auto expect_mask = [&](const std::string& type, auto mask, std::size_t own) {
+    expect_agreement(get(definitions, type + "_mask"), describe(mask), own + 2);
+  };
+  expect_mask("vertex", VertexMask{}, 1);
+  expect_mask("texture", TextureMask{}, 1);
+  expect_mask("projected", ProjectedMask{}, 4);
+  expect_mask("gradient", GradientMask{}, 2);
+  expect_mask("sphere", SphereMask{}, 1);
+  expect_mask("slab", SlabMask{}, 2);
+  expect_mask("noise", NoiseMask{}, 0);
+  expect_mask("stripes", StripesMask{}, 1);
   std::vector<std::string> shapes;
   const Document& mesh = get(get(schema, "properties"), "mesh");
   for (const Document& name : as_array(get(get(get(mesh, "properties"), "shape"), "enum")))

@@ -104,8 +104,8 @@ Recipe read_recipe(const Document& document, RecipeResources& resources, const R
   std::erase_if(std::get<Document::Object>(recipe.source.value),
                 [](const auto& member) { return member.first == "layers"; });
   const Document& layers = get(document, "layers");
-  if (as_array(layers).size() > max_layers)
-    throw_at(layers, fmt::format("at most {} layers", max_layers));
+  if (as_array(layers).size() > max_recipe_layers)
+    throw_at(layers, fmt::format("at most {} layers", max_recipe_layers));
   recipe.layers.reserve(as_array(layers).size());
   for (const Document& node : as_array(layers)) {
     std::shared_ptr<const Layer> layer = find_same(previous, node);

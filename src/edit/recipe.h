@@ -81,7 +81,7 @@ struct Recipe {
   Document source;  // without the layers
   std::vector<std::shared_ptr<const Layer>> layers;
 };
-inline constexpr std::size_t max_layers = 1000;
+inline constexpr std::size_t max_recipe_layers = 1000;
 
 // Throws Error at the node that is wrong, with the layer's index in its JSON pointer. Layers that
 // are the same as in `previous` are taken from there, which lets sessions recognise them.

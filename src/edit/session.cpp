@@ -113,7 +113,7 @@ bool redo(EditSession& session) {
 
 EditState evaluate(EditSession& session, const Progress& progress,
                    std::optional<std::size_t> count) {
-  const std::size_t end = std::min(count.value_or(max_layers), session.recipe.layers.size());
+  const std::size_t end = std::min(count.value_or(max_recipe_layers), session.recipe.layers.size());
   const std::uint64_t start = ++session.uses;
   Step step{session.original, session.original};
   for (std::size_t i = 0; i < end; ++i) {

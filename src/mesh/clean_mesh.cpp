@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 #include "base/error.h"
 #include "mesh/flaps_internal.h"
@@ -71,9 +72,11 @@ void compact(TriangleMesh& mesh) {
     mesh.positions[count] = mesh.positions[v];
     if (!mesh.normals.empty()) mesh.normals[count] = mesh.normals[v];
     if (!mesh.texcoords.empty()) mesh.texcoords[count] = mesh.texcoords[v];
+    mesh.source[count] = mesh.source[v];
     ++count;
   }
   mesh.positions.resize(count);
+  mesh.source.resize(count);
   if (!mesh.normals.empty()) mesh.normals.resize(count);
   if (!mesh.texcoords.empty()) mesh.texcoords.resize(count);
   for (Triangle& t : mesh.triangles)
@@ -161,6 +164,11 @@ MeshReport clean_mesh(TriangleMesh& mesh, const std::string& name) {
     } else {
       ++report.unused_vertices;
     }
+  }
+  if (mesh.source.empty()) {  // a mesh that is cleaned again keeps its first vertices
+    mesh.source_vertices = mesh.positions.size();
+    mesh.source.resize(mesh.source_vertices);
+    std::iota(mesh.source.begin(), mesh.source.end(), 0u);
   }
   compact(mesh);
   merge_vertices(mesh, report);

@@ -18,6 +18,9 @@ struct TriangleMesh {
   std::vector<Vec3> normals;    // unit length, outward
   std::vector<Vec2> texcoords;
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  // What the vertices were before clean_mesh: index of each, and their number. Empty without it.
+  std::vector<std::uint32_t> source;
+  std::size_t source_vertices = 0;
 };
 
 Bounds3 bounds(const TriangleMesh& mesh);

@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "material/profile_field.h"
 #include "render/exitance_internal.h"
+#include "render/layered_field.h"
 #include "scene/mapping.h"
 #include "transport/gather_table.h"
 #include "transport/irradiance.h"
@@ -64,11 +65,10 @@ struct GatherWork {
   template <typename Point, typename Convert>
   std::vector<Point> map_targets(const SampleGrid& grid, const Convert& convert) const {
     return map_points<Point>(
-        targets.size(),
-        [&](std::size_t i) {
-          return get_surface_point(scene.mesh, targets[i].triangle, targets[i].barycentric);
-        },
-        scene.mapping, grid, convert);
+        targets.size(), [&](std::size_t i) { return get_target(i); }, scene.mapping, grid, convert);
+  }
+  SurfacePoint get_target(std::size_t i) const {
+    return get_surface_point(scene.mesh, targets[i].triangle, targets[i].barycentric);
   }
 };
 
@@ -80,15 +80,43 @@ void report_brackets(const TreeGatherResult& result, RenderReport& report) {
   report.mean_half_width = result.mean_half_width;
 }
 
+// The field of the material or of the layers over it, with samples and targets at their places
+// there.
+ProfileField place_profiles(const GatherWork& work, const Material& material,
+                            std::vector<GatherPoint>& samples, std::vector<GatherPoint>& targets) {
+  const std::size_t count = work.samples.points.size(), all = count + work.targets.size();
+  const auto get = [&](std::size_t i) {
+    return i < count ? work.samples.points[i] : work.get_target(i - count);
+  };
+  std::optional<ProfileField> layered;
+  if (!work.scene.layers.empty()) layered = make_layered_field(work.scene, all, get);
+  if (!layered) {
+    ProfileField field = make_profile_field(material);
+    const SampleGrid grid{field.width, field.height, field.pixel_pitch_mm};
+    samples = work.map_samples<GatherPoint>(grid, to_gather_point);
+    targets = work.map_targets<GatherPoint>(grid, to_gather_point);
+    return field;
+  }
+  samples.resize(count);
+  targets.resize(work.targets.size());
+  parallel_for_blocks(all, block, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const SurfacePoint point = get(i);
+      const Vec2 place = layered_place(i);
+      (i < count ? samples[i] : targets[i - count]) = {point.position, point.normal, place.x,
+                                                       place.y};
+    }
+  });
+  return std::move(*layered);
+}
+
 std::vector<Rgb> gather(const GatherWork& work, const Material& material, std::vector<Rgb> flux) {
   Stopwatch watch;
-  const ProfileField field = make_profile_field(material);
-  const SampleGrid grid{field.width, field.height, field.pixel_pitch_mm};
   GatherSources sources;
-  sources.points = work.map_samples<GatherPoint>(grid, to_gather_point);
+  std::vector<GatherPoint> targets;
+  const ProfileField field = place_profiles(work, material, sources.points, targets);
   sources.flux = std::move(flux);
   sources.area_mm2 = work.samples.area_mm2;
-  const auto targets = work.map_targets<GatherPoint>(grid, to_gather_point);
   const double near_mm = default_near_mm(sources.area_mm2);
   if (work.params.method == GatherMethod::brute) {
     work.report.gather = "brute";

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "render/layered_field.h"
 #include "render/primary_internal.h"
 #include "render/render.h"
 #include "transport/gather_table.h"
@@ -44,6 +45,23 @@ std::size_t material_bytes(const Material& material, std::size_t samples, Gather
   return sizes.pixels * row + 2 * rows * row + (samples + nodes) * 160;
 }
 
+// Rows for every sample and node, places and masks for every point, and each layer's own field.
+std::size_t layer_bytes(const Scene& scene, std::size_t samples, std::size_t targets,
+                        GatherMethod method) {
+  if (scene.layers.empty()) return 0;
+  ProfileSizes most = profile_sizes(std::get<Material>(scene.material));
+  std::size_t fields = most.pixels * most.knots;
+  for (const SurfaceLayer& layer : scene.layers) {
+    const ProfileSizes sizes = profile_sizes(layer.material);
+    fields += sizes.pixels * sizes.knots;
+    most.knots = std::max(most.knots, sizes.knots);
+  }
+  const std::size_t row = 3 * std::max(most.knots, layered_knots) * sizeof(float);
+  const std::size_t nodes = method == GatherMethod::tree ? samples / 2 : 0;
+  return fields * 3 * sizeof(float) + 2 * (samples + nodes) * row + (samples + nodes) * 160 +
+         (samples + targets) * (scene.layers.size() + 1) * (sizeof(Vec2) + sizeof(float));
+}
+
 }  // namespace
 
 std::size_t estimate_memory(const Scene& scene, const RenderParams& params) {
@@ -64,7 +82,8 @@ std::size_t estimate_memory(const Scene& scene, const RenderParams& params) {
       std::holds_alternative<BssrdfTable>(scene.material)
           ? gather_table_bytes(std::get<BssrdfTable>(scene.material).header) +
                 samples * (sizeof(TableGatherPoint) + 32)
-          : material_bytes(std::get<Material>(scene.material), samples, params.method);
+          : std::max(material_bytes(std::get<Material>(scene.material), samples, params.method),
+                     layer_bytes(scene, samples, targets, params.method));
   return mesh + sampling + view + targets * at_target + material;
 }
 

@@ -87,6 +87,7 @@ RenderResult render(const Scene& scene, const RenderParams& params_, const Progr
                     std::size_t memory_limit) {
   RenderParams params = params_;
   check(describe(params));
+  check_layers(scene, scene.mesh_name);
   check_memory(estimate_memory(scene, params), memory_limit,
                "fewer pixels, --samples or --antialias need less");
   Stopwatch total, watch;

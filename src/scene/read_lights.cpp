@@ -123,6 +123,19 @@ void throw_unknown(const Document& node, const std::vector<std::string>& known) 
                (nearest.empty() ? std::string() : fmt::format(" (did you mean '{}'?)", nearest)));
 }
 
+// Which one of these keys the object has; exactly one must be there.
+const Document& get_one_of(const Document& object, const std::vector<std::string>& keys) {
+  const Document* only = nullptr;
+  for (const std::string& key : keys) {
+    const Document* member = find(object, key);
+    if (member == nullptr) continue;
+    if (only != nullptr) throw_at(*member, "only one of the keys " + list_names(keys), "another");
+    only = member;
+  }
+  if (only == nullptr) throw_at(object, "one of the keys " + list_names(keys), "none of them");
+  return *only;
+}
+
 std::vector<Light> read_lights(const Document& node, const SceneLoaders& loaders,
                                std::vector<std::string>& warnings) {
   const Document::Array& elements = as_array(node);

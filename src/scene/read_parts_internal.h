@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/document.h"
+#include "base/error.h"
 #include "scene/read_scene.h"
 
 namespace parian {
@@ -29,6 +30,28 @@ std::string warning_at(const Document& node, const std::string& text);
 
 // An Error at this string, naming the nearest known one.
 [[noreturn]] void throw_unknown(const Document& node, const std::vector<std::string>& known);
+// The member of that one of these keys which the object has; exactly one must be there.
+const Document& get_one_of(const Document& object, const std::vector<std::string>& keys);
+
+// Names that are looked up elsewhere get this node's place.
+template <typename Find>
+auto find_at(const Document& node, Find find_by_name) {
+  const std::string& name = as_string(node);
+  try {
+    return find_by_name(name);
+  } catch (const Error& error) {
+    if (!error.parts.file.empty()) throw;
+    throw_at(node, error.parts.expected, error.parts.found);
+  }
+}
+
+// `name` gets what errors and reports call it.
+SurfaceMaterial read_material(const Document& node, const SceneLoaders& loaders, std::string& name);
+void read_mapping(const Document& node, Mapping& mapping);
+// One mask or an array of them.
+SurfaceMask read_mask(const Document& node, const SceneLoaders& loaders);
+// Onto a scene that has its mesh and material; checks them against both.
+void read_layers(const Document& node, const SceneLoaders& loaders, Scene& scene);
 
 std::vector<Light> read_lights(const Document& node, const SceneLoaders& loaders,
                                std::vector<std::string>& warnings);

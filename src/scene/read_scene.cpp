@@ -7,38 +7,12 @@
 
 #include "base/check.h"
 #include "base/error.h"
-#include "base/names.h"
 #include "mesh/shapes.h"
 #include "scene/camera.h"
 #include "scene/read_parts_internal.h"
 
 namespace parian {
 namespace {
-
-// Which one of these keys the object has; exactly one must be there.
-const Document& get_one_of(const Document& object, const std::vector<std::string>& keys) {
-  const Document* only = nullptr;
-  for (const std::string& key : keys) {
-    const Document* member = find(object, key);
-    if (member == nullptr) continue;
-    if (only != nullptr) throw_at(*member, "only one of the keys " + list_names(keys), "another");
-    only = member;
-  }
-  if (only == nullptr) throw_at(object, "one of the keys " + list_names(keys), "none of them");
-  return *only;
-}
-
-// Names that are looked up elsewhere get this node's place.
-template <typename Find>
-auto find_at(const Document& node, Find find_by_name) {
-  const std::string& name = as_string(node);
-  try {
-    return find_by_name(name);
-  } catch (const Error& error) {
-    if (!error.parts.file.empty()) throw;
-    throw_at(node, error.parts.expected, error.parts.found);
-  }
-}
 
 // Turned about x, then y, then z.
 void rotate(TriangleMesh& mesh, Vec3 degrees) {
@@ -84,70 +58,6 @@ void read_mesh(const Document& node, const SceneLoaders& loaders, Scene& scene) 
   fit_to_size(scene.mesh, size_mm);
 }
 
-// A measured homogeneous material by name, in any case.
-const NamedMaterial* find_named(const std::string& name) {
-  const auto lower = [](std::string text) {
-    for (char& c : text) c = 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return text;
-  };
-  for (const NamedMaterial& material : named_materials())
-    if (lower(material.name) == lower(name)) return &material;
-  return &find_named_material(name);
-}
-
-Dipole read_named(const Document& node) {
-  const NamedMaterial& named = *find_at(node, find_named);
-  for (const DipoleCoefficients& medium : named.channels)
-    if (medium.sigma_s_prime < min_scattering)
-      throw_at(node, "a material that scatters in every channel",
-               fmt::format("'{}', of which a channel has none measured", named.name));
-  return {.channels = {named.channels.begin(), named.channels.end()}, .eta = named.eta};
-}
-
-Dipole read_coefficients(const Document& node) {
-  const auto sigma_a = read_three(get(node, "sigma_a"), 0, max_coefficient);
-  const auto sigma_s_prime =
-      read_three(get(node, "sigma_s_prime"), min_scattering, max_coefficient);
-  Dipole dipole;
-  for (std::size_t c = 0; c < 3; ++c)
-    dipole.channels.push_back({.sigma_a = sigma_a[c], .sigma_s_prime = sigma_s_prime[c]});
-  if (const Document* eta = find(node, "eta")) dipole.eta = as_number(*eta, 1, 2.5);
-  return dipole;
-}
-
-void read_material(const Document& node, const SceneLoaders& loaders, Scene& scene) {
-  check_keys(node, {"file", "named", "sigma_a", "sigma_s_prime", "eta"});
-  const bool has_coefficients =
-      find(node, "sigma_a") != nullptr || find(node, "sigma_s_prime") != nullptr;
-  if (has_coefficients && find(node, "file") == nullptr && find(node, "named") == nullptr) {
-    scene.material = Material(read_coefficients(node));
-    scene.material_name = "homogeneous";
-    return;
-  }
-  const Document& source = get_one_of(node, {"file", "named", "sigma_a", "sigma_s_prime"});
-  if (const Document* eta = find(node, "eta"))
-    throw_at(*eta, "the key 'eta' only beside 'sigma_a'", "it here");
-  scene.material_name = as_string(source);
-  if (find(node, "file") != nullptr) {
-    read_path(source);
-    PARIAN_CHECK(loaders.load_material != nullptr);
-    scene.material = loaders.load_material(scene.material_name);
-  } else {
-    scene.material = Material(read_named(source));
-  }
-}
-
-void read_mapping(const Document& node, Mapping& mapping) {
-  read_params(node, describe(mapping), {"offset_mm"});
-  if (const Document* offset = find(node, "offset_mm")) {
-    if (as_array(*offset).size() != 2) throw_at(*offset, "an array of 2");
-    mapping.offset_mm = {static_cast<float>(as_number(as_array(*offset)[0], -1e6, 1e6)),
-                         static_cast<float>(as_number(as_array(*offset)[1], -1e6, 1e6))};
-  }
-  if (const Document* size = find(node, "uv_size_mm"); size && mapping.kind != MappingKind::uv)
-    throw_at(*size, "the key 'uv_size_mm' only where 'kind' is 'uv'", "it with 'box'");
-}
-
 // What the camera leaves out frames the mesh's box.
 void read_camera(const Document* node, Scene& scene) {
   const Bounds3 box = bounds(scene.mesh);
@@ -189,8 +99,8 @@ void read_background(const Document& node, Scene& scene) {
 }  // namespace
 
 Scene read_scene(const Document& document, const SceneLoaders& loaders) {
-  check_keys(document, {"$schema", "description", "mesh", "material", "mapping", "specular",
-                        "camera", "lights", "exposure", "background", "output"});
+  check_keys(document, {"$schema", "description", "mesh", "material", "mapping", "layers",
+                        "specular", "camera", "lights", "exposure", "background", "output"});
   Scene scene;
   if (const Document* text = find(document, "description")) as_string(*text);
   // Small parts first, so that their mistakes are found before large files are read.
@@ -212,7 +122,8 @@ Scene read_scene(const Document& document, const SceneLoaders& loaders) {
     scene.warnings.push_back(
         warning_at(lights != nullptr ? *lights : document, "no light: the mesh will be black"));
   if (const Document* node = find(document, "background")) read_background(*node, scene);
-  read_material(material, loaders, scene);
+  scene.material = read_material(material, loaders, scene.material_name);
+  if (const Document* node = find(document, "layers")) read_layers(*node, loaders, scene);
   return scene;
 }
 

@@ -14,6 +14,7 @@ struct SceneLoaders {
   std::function<TriangleMesh(const std::string& path)> load_mesh;
   std::function<Image(const std::string& path)> load_image;
   std::function<SurfaceMaterial(const std::string& path)> load_material;
+  std::function<Document(const std::string& path)> load_document;  // JSON
 };
 
 // Relative paths are resolved against the document's folder by the loaders, which get them as

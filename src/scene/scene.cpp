@@ -1,6 +1,39 @@
 #include "scene/scene.h"
 
+#include <fmt/format.h>
+
+#include "base/error.h"
+
 namespace parian {
+namespace {
+
+void check_layer(const Scene& scene, const SurfaceLayer& layer, const std::string& file,
+                 const std::string& place) {
+  const auto of = [](const std::string& name) { return name.empty() ? "" : " of '" + name + "'"; };
+  const auto name = [](Boundary boundary) {
+    return boundary == Boundary::included ? "included" : "excluded";
+  };
+  const Boundary base = boundary_of(scene.material), own = boundary_of(layer.material);
+  const double base_eta = eta_of(scene.material), own_eta = eta_of(layer.material);
+  if (base != own)
+    throw Error(
+        {file, place + "/material",
+         fmt::format("the boundary '{}'{}, which lies below", name(base), of(scene.material_name)),
+         fmt::format("'{}'{}", name(own), of(layer.material_name))});
+  if (base_eta != own_eta)
+    throw Error({file, place + "/material",
+                 fmt::format("the eta {}{}, which lies below", base_eta, of(scene.material_name)),
+                 fmt::format("{}{}", own_eta, of(layer.material_name))});
+  if (layer.mapping.kind == MappingKind::uv && scene.mesh.texcoords.empty())
+    throw Error({file, place + "/mapping",
+                 "a mesh with texture coordinates, as the mapping is 'uv'", "none"});
+  auto& plain = const_cast<SurfaceLayer&>(layer);  // checks only read
+  check(describe(plain));
+  check(describe(plain.mapping));
+  check(layer.mask, scene.mesh, file, place + "/mask");
+}
+
+}  // namespace
 
 Boundary boundary_of(const SurfaceMaterial& material) {
   if (const auto* table = std::get_if<BssrdfTable>(&material)) return table->header.boundary;
@@ -69,6 +102,28 @@ ParamList describe(Specular& specular) {
            .min = 1,
            .max = 4,
            .symbol = "eta"}};
+}
+
+ParamList describe(SurfaceLayer& layer) {
+  const auto part = [](const char* name, const char* help, double& target) {
+    return Param{.name = name, .help = help, .target = &target, .min = 0, .max = 1};
+  };
+  return {part("opacity", "how much of the layer where its mask is 1", layer.opacity),
+          part("albedo", "how much of the albedo it takes over", layer.albedo),
+          part("range", "how much of the range it takes over", layer.range),
+          part("shape", "how much of the shape it takes over", layer.shape)};
+}
+
+void check_layers(const Scene& scene, const std::string& file) {
+  if (scene.layers.empty()) return;
+  if (scene.layers.size() > max_layers)
+    throw Error({file, "/layers", fmt::format("at most {} layers", max_layers),
+                 fmt::to_string(scene.layers.size())});
+  if (std::holds_alternative<BssrdfTable>(scene.material))
+    throw Error({file, "/layers", "layers over a fitted or homogeneous material",
+                 fmt::format("them over the table '{}'", scene.material_name)});
+  for (std::size_t i = 0; i < scene.layers.size(); ++i)
+    check_layer(scene, scene.layers[i], file, fmt::format("/layers/{}", i));
 }
 
 }  // namespace parian

@@ -10,6 +10,7 @@
 #include "material/bssrdf_table.h"
 #include "material/material.h"
 #include "mesh/mesh.h"
+#include "scene/surface_mask.h"
 
 namespace parian {
 
@@ -69,10 +70,26 @@ using SurfaceMaterial = std::variant<Material, BssrdfTable>;
 Boundary boundary_of(const SurfaceMaterial& material);
 double eta_of(const SurfaceMaterial& material);
 
+// Another material over what lies below, where its mask says. Profiles are mixed by property: at
+// mask m the layer takes over m opacity albedo of the albedo, and so on (SubEdit, section 7.1).
+// Each point of the surface has one profile, so R_d stays symmetric.
+struct SurfaceLayer {
+  Material material;
+  std::string material_name;
+  Mapping mapping;
+  SurfaceMask mask;
+  double opacity = 1;
+  double albedo = 1;
+  double range = 1;
+  double shape = 1;
+};
+inline constexpr std::size_t max_layers = 16;
+
 // The plain numbers of each; ranges and JSON keys come from here.
 ParamList describe(Camera& camera);
 ParamList describe(Mapping& mapping);
 ParamList describe(Specular& specular);
+ParamList describe(SurfaceLayer& layer);
 
 struct Scene {
   TriangleMesh mesh;      // clean (clean_mesh), in mm, at its place
@@ -80,6 +97,7 @@ struct Scene {
   SurfaceMaterial material;
   std::string material_name;
   Mapping mapping;
+  std::vector<SurfaceLayer> layers;  // over the material, bottom up
   Specular specular;
   Camera camera;
   std::vector<Light> lights;
@@ -89,5 +107,10 @@ struct Scene {
   Rgb background{0, 0, 0};
   std::vector<std::string> warnings;  // of reading: one line each
 };
+
+// Throws Error with `file` as its file when layers cannot lie on this scene: over a raw table, with
+// another boundary or eta than the material's, or with masks and mappings that the mesh cannot
+// carry.
+void check_layers(const Scene& scene, const std::string& file);
 
 }  // namespace parian

@@ -13,6 +13,9 @@
 namespace parian {
 namespace {
 
+// Spread in units of the knots' distance from which a row's end says nothing of the whole node.
+constexpr float wide_node = 2.5f;
+
 // Targets for which one decision is made: a block, or the blocks of a group.
 struct Region {
   Bounds3 box;
@@ -102,6 +105,10 @@ class Walk {
     const std::int32_t k = find_segment(lookup_, r);
     const float beyond = r - lookup_.knots[k], t = beyond * lookup_.inverse_step[k];
     const float* row = &emitters.rows[emitters.row[id] * emitters.row_size];
+    const float* whole = &emitters.rows[sources_.whole_row[id] * emitters.row_size];
+    const float nearest = std::max(r - 2 * shape.spread_mm, 0.0f);
+    const std::int32_t near_k = find_segment(lookup_, nearest);
+    const float near_t = (nearest - lookup_.knots[near_k]) * lookup_.inverse_step[near_k];
     for (std::size_t c = 0; c < 3; ++c) {
       if (r - 2 * shape.spread_mm > shape.max_support[c]) continue;
       const bool is_cut =
@@ -116,11 +123,27 @@ class Walk {
         if (error > 0.5f && !is_cut) return false;
         continue;
       }
-      if (is_cut) error = std::max(error, 0.5f);
-      const float log_value = y0 + t * (y1 - y0) + emitters.log_flux[c][id];
+      float log_value = y0 + t * (y1 - y0) + emitters.log_flux[c][id];
+      if (is_cut) {
+        error = std::max(error, 0.5f);
+        // Among knots far closer than the node is wide the row may have plunged here, while samples
+        // nearer by have not ended: what all would give here, or what is left gives there.
+        if (shape.spread_mm * lookup_.inverse_step[k] > wide_node)
+          log_value = std::max(
+              log_value, std::min(value_at(whole, c, k, t), value_at(row, c, near_k, near_t)) +
+                             emitters.log_flux[c][id]);
+      }
       if (log_value + fast_log(error) > opening.log_budget[c]) return false;
     }
     return true;
+  }
+
+  // Of a row and the envelope, at the part t of segment k.
+  float value_at(const float* row, std::size_t c, std::int32_t k, float t) const {
+    const std::size_t at = 3 * static_cast<std::size_t>(k) + c;
+    const float y0 = row[at] + region_.envelope[at];
+    const float y1 = row[at + 3] + region_.envelope[at + 3];
+    return y0 + t * (y1 - y0);
   }
 
   const MomentSources& sources_;

@@ -53,6 +53,28 @@ TEST(MomentTree, BecomesBruteForceAsQualityRises) {
   EXPECT_LT(largest_error(setting, tree.gather(setting.targets, setting.near_mm, params)), 1e-5);
 }
 
+// Knots that are far denser than nodes are wide, and go on far beyond the support.
+TEST(MomentTree, SeesSupportsThatEndAmongDenseKnots) {
+  Setting setting = make_setting();
+  const ProfileField dipole = make_profile_field(Material(Dipole{{{0.008, 3.2}}, 1.4}));
+  setting.field = dipole;
+  setting.field.width = 2;  // rows of their own
+  const float last = dipole.knots_mm.back();
+  for (int k = 1; k <= 20; ++k)
+    setting.field.knots_mm.push_back(last * (1 + 0.03f * static_cast<float>(k)));
+  setting.field.eval = [dipole](double x, double y, float* half_log, float* support) {
+    dipole.eval(x, y, half_log, support);
+    const std::size_t row = dipole.row();
+    for (std::size_t j = 0; j < 60; ++j)
+      half_log[row + j] = half_log[row - 3 + j % 3] - 0.03f * static_cast<float>(j / 3 + 1);
+  };
+  setting.brute = gather_brute(setting.field, setting.sources, setting.targets, setting.near_mm);
+  const MomentTree tree(setting.field, setting.sources);
+  TreeGatherParams params;
+  params.quality = 5e-4;
+  EXPECT_LT(largest_error(setting, tree.gather(setting.targets, setting.near_mm, params)), 0.02);
+}
+
 // The bracket of every target holds the exact sum.
 TEST(MomentTree, BracketsHoldWithoutExceptions) {
   for (double steepness : {0.3, 1.0, 3.0}) {

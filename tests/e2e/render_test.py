@@ -125,6 +125,50 @@ class Render(program.ProgramTest):
         for a, b in zip(means["table"], means["map"]):
             self.assertAlmostEqual(a / b, 1, delta=0.06)
 
+    def test_layers(self):
+        (self.folder / "tetrahedron.ply").write_text(PLY)
+        mesh = {"file": "tetrahedron.ply", "size_mm": 20}
+        red = {"name": "red", "material": {"sigma_a": [0, 2, 2], "sigma_s_prime": 2, "eta": 1.5}}
+
+        def mean_with(*layers):
+            self.write_json("scene.json", scene(mesh=mesh, layers=list(layers)))
+            self.succeed("render", "scene.json", "-o", "a.exr", *QUICK)
+            return self.mean("a.exr")
+
+        def painted(*weights):
+            self.write_json("weights.json", list(weights))
+            return {**red, "mask": {"type": "vertex", "file": "weights.json"}}
+
+        bare, covered = mean_with(), mean_with(red)
+        self.assertLess(covered[1], 0.5 * bare[1])
+        self.assertEqual(mean_with(painted(0, 0, 0, 0)), bare)
+        self.assertEqual(mean_with(painted(1, 1, 1, 1)), covered)
+        part = mean_with(painted(0, 1, 1, 0.5))
+        self.assertTrue(covered[1] < part[1] < bare[1], part)
+        self.succeed("render", "scene.json", "-o", "mask.png", *QUICK)
+        mask = {"type": "projected", "file": "mask.png", "center": [0, 10, 0],
+                "direction": [0, 0, -1], "width_mm": 30, "height_mm": 30, "invert": True}
+        part = mean_with({**red, "mask": mask})
+        self.assertTrue(covered[1] < part[1] < bare[1], part)
+        figures = program.json.loads(self.succeed("info", "scene.json", "--json", "-"))
+        self.assertEqual(figures["layers"], ["red"])
+        # Masks are inputs: no output replaces them.
+        self.fail_with(2, "mask.png: expected an output of another name, found the input",
+                       "render", "scene.json", "-o", "mask.png", *QUICK)
+
+    def test_layers_that_do_not_fit(self):
+        self.assertEqual(
+            self.fails_with_scene(layers=[{"material": {"sigma_a": 1, "sigma_s_prime": 1}}]),
+            "parian: error: scene.json: /layers/0/material: expected the eta 1.5 of 'marble', which "
+            "lies below, found 1.3 of 'homogeneous'")
+        self.write_json("weights.json", [0, 2])
+        layer = {"material": {"named": "marble"}, "mask": {"type": "vertex", "file": "weights.json"}}
+        self.assertEqual(self.fails_with_scene(layers=[layer]),
+                         "parian: error: weights.json: /1: expected a number in [0, 1], found the number 2")
+        self.write_json("weights.json", [0, 1])
+        self.assertIn("weights, one per vertex of the mesh, found 2",
+                      self.fails_with_scene(layers=[layer]))
+
     def test_exposure(self):
         self.succeed("render", "scene.json", "-o", "a.exr", *QUICK)
         self.write_json("scene.json", scene(exposure=2))

@@ -263,6 +263,12 @@ Document describe_scene(const std::string& path) {
   set(figures, "boundary",
       boundary_of(scene.material) == Boundary::included ? "included" : "excluded");
   set(figures, "eta", eta_of(scene.material));
+  if (!scene.layers.empty()) {
+    Document::Array names;
+    names.reserve(scene.layers.size());
+    for (const SurfaceLayer& layer : scene.layers) names.emplace_back(layer.material_name);
+    set(figures, "layers", std::move(names));
+  }
   set(figures, "lights", scene.lights.size());
   set(figures, "warnings", Document::Array(scene.warnings.begin(), scene.warnings.end()));
   return figures;

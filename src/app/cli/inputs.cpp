@@ -89,6 +89,7 @@ LoadedScene load_scene(const std::string& path) {
   };
   loaders.load_image = [&](const std::string& name) { return load_image(resolve(name)); };
   loaders.load_material = [&](const std::string& name) { return load_material(resolve(name)); };
+  loaders.load_document = [&](const std::string& name) { return load_document(resolve(name)); };
   loaded.scene = read_scene(load_document(path), loaders);
   return loaded;
 }
