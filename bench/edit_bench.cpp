@@ -34,10 +34,12 @@ constexpr int side = 222, knots = 25;
 // Cells of four materials with noise over them, as a fit of a stone has.
 ProfileMap make_map() {
   std::vector<double> radii;
+  radii.reserve(knots);
   for (int k = 0; k < knots; ++k) radii.push_back(0.25 * k);
   ProfileMap map = make_profile_map(side, side, 3, 0.25, radii);
   Rng rng = make_rng(1);
   std::vector<std::array<double, 3>> cells;  // place and material
+  cells.reserve(150);
   for (int i = 0; i < 150; ++i)
     cells.push_back({side * sample_uniform(rng), side * sample_uniform(rng),
                      std::floor(4 * sample_uniform(rng))});

@@ -87,6 +87,8 @@ void apply(const std::vector<Adjust>& adjusts, EditState& state, const std::vect
            EditReport& report) {
   PARIAN_CHECK_EQ(adjusts.size(), masks.size());
   std::vector<Affine> albedo, range;
+  albedo.reserve(adjusts.size());
+  range.reserve(adjusts.size());
   bool recolors = false;
   for (const Adjust& adjust : adjusts) {
     albedo.push_back({&adjust.albedo_scale, &adjust.albedo_offset});

@@ -17,6 +17,7 @@ constexpr double knot_pitch = 0.1;
 
 std::vector<double> some_knots(int count) {
   std::vector<double> knots;
+  knots.reserve(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) knots.push_back(knot_pitch * k);
   return knots;
 }
@@ -80,6 +81,7 @@ TEST(ProfileDistance, TwoExponentials) {
   const std::vector<double> knots = some_knots(61);
   const auto exponential = [&](double top, double slope) {
     std::vector<double> values;
+    values.reserve(knots.size());
     for (const double r : knots) values.push_back(std::log(top) - slope * r);
     return make_profile(knots, values);
   };

@@ -65,8 +65,8 @@ std::vector<Mask> propagate_pins(const HallucinateParams& params,
   std::vector<StrokePixel> pixels;
   for (std::size_t p = 0; p < pins.size(); ++p) {
     Mask dab = make_mask(width, height, 0);
-    const auto column = static_cast<double>(pins[p].pixel % static_cast<std::uint32_t>(width));
-    const auto row = static_cast<double>(pins[p].pixel / static_cast<std::uint32_t>(width));
+    const std::uint32_t column = pins[p].pixel % static_cast<std::uint32_t>(width);
+    const std::uint32_t row = pins[p].pixel / static_cast<std::uint32_t>(width);
     draw_stroke(dab, {{column + 0.5, row + 0.5}}, std::max(0.75, params.pin_radius_px), 1);
     for (std::size_t i = 0; i < dab.weight.size(); ++i)
       if (dab.weight[i] > 0)

@@ -315,6 +315,7 @@ ProfileMap make_counterexample() {
   constexpr int size = 31, middle = 15;
   constexpr double pitch = 0.2, reach = 2.42;
   std::vector<double> knots{0};
+  knots.reserve(41);
   for (int k = 1; k <= 40; ++k) knots.push_back(0.1 * k);
   ProfileMap map = make_profile_map(size, size, 1, pitch, knots, -30);
   const auto set_disc = [&](int x, int y, double radius) {

@@ -111,8 +111,8 @@ void add_planes(const Plane& values, const Plane& pattern, const Sampler& sample
   parallel_for_blocks(values.size(), width, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t channel = i / state.pixels(), pixel = i % state.pixels();
-      const Point2 at = placement(static_cast<double>(pixel % width) + 0.5,
-                                  static_cast<double>(pixel / width) + 0.5);
+      const std::size_t x = pixel % width, y = pixel / width;
+      const Point2 at = placement(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
       planes.target[first + i] = curve(values[i]);
       planes.pattern[first + i] = sampler(&curved[channel * source_pixels], at);
     }

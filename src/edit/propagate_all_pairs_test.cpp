@@ -124,6 +124,7 @@ TEST(PropagateAllPairs, TwoPointsClosedForm) {
 
 TEST(PropagateAllPairs, SeparateMaterialsTakeTheirOwnStrokeOrNone) {
   std::vector<float> raw;
+  raw.reserve(300);
   for (int i = 0; i < 300; ++i) raw.push_back(static_cast<float>(i % 3));
   const Features features = make_features(20, 15, 1, raw);
   const Propagation result =
@@ -137,6 +138,7 @@ TEST(PropagateAllPairs, SeparateMaterialsTakeTheirOwnStrokeOrNone) {
 TEST(PropagateAllPairs, DoesNotDependOnTheOrderOfPixels) {
   Rng rng = make_rng(8);
   std::vector<float> raw, reversed;
+  raw.reserve(90);
   for (int i = 0; i < 90; ++i) raw.push_back(static_cast<float>(sample_uniform(rng)));
   reversed.assign(raw.rbegin(), raw.rend());
   const Propagation a =

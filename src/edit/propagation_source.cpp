@@ -169,6 +169,7 @@ PropagationSource read_propagation(const Document& object, const Document& strok
     source.all_pairs = read_choice(*node, {"sparse", "all_pairs"}) == 1;
   const std::vector<std::string> others = [&] {
     std::vector<std::string> keys;
+    keys.reserve(as_object(object).size());
     for (const auto& member : as_object(object)) keys.push_back(member.first);
     return keys;
   }();
@@ -215,6 +216,7 @@ Appearance get_appearance(const PropagationSource& source, const SelectionContex
 
 Mask propagate_strokes(const PropagationSource& source, const SelectionContext& context) {
   std::vector<bool> positive;
+  positive.reserve(source.strokes.size());
   for (const Stroke& stroke : source.strokes) positive.push_back(stroke.positive);
   const Propagation found = run(source, context, all_positive(source));
   return {context.frame.width, context.frame.height, normalise_indicators(found, positive)};

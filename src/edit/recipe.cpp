@@ -37,6 +37,7 @@ std::shared_ptr<const Layer> read_layer(const Document& node, RecipeResources& r
   layer->source = node;
   as_object(node);
   std::vector<std::string> names;
+  names.reserve(operation_kinds().size());
   for (const OperationKind& kind : operation_kinds()) names.push_back(kind.name);
   const OperationKind& kind = operation_kinds()[read_choice(get(node, "operation"), names)];
   check_layer_keys(node, kind.keys);

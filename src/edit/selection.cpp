@@ -298,6 +298,7 @@ std::vector<std::pair<std::string, std::vector<std::string>>> selection_keys() {
 
 Selection read_selection(const Document& node, RecipeResources& resources) {
   std::vector<std::string> names;
+  names.reserve(selection_kinds().size());
   for (const SelectionKind& kind : selection_kinds()) names.push_back(kind.name);
   as_object(node);
   const SelectionKind& kind = selection_kinds()[read_choice(get(node, "type"), names)];

@@ -107,8 +107,7 @@ PARIAN_HOT void add_segment(double a, double b, const float* PARIAN_RESTRICT row
   }
 }
 
-PARIAN_HOT void finish_shapes(double last_radius, double last_length,
-                              ShapeSums* PARIAN_RESTRICT sums) {
+PARIAN_HOT void finish_shapes(double last_radius, ShapeSums* PARIAN_RESTRICT sums) {
   const double least = -min_tail_decay / last_radius, limit = (support_limit - 1) * last_radius;
   for (std::size_t i = 0; i < shape_lanes; ++i) {
     const double slope = sums->slope[i] < least ? sums->slope[i] : least;

@@ -25,7 +25,7 @@ void start_shapes(const float* row, ShapeSums* sums);
 // The segment from radius a to b, at whose end ln P is `row`.
 void add_segment(double a, double b, const float* row, ShapeSums* sums);
 // The tail beyond the last knot.
-void finish_shapes(double last_radius, double last_length, ShapeSums* sums);
+void finish_shapes(double last_radius, ShapeSums* sums);
 
 // Rows of profiles on common knots: value[k * shape_lanes + i].
 struct ShapeRows {

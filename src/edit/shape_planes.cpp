@@ -80,7 +80,7 @@ void measure_shapes(const KnotTable& knots, const float* log_value, std::size_t 
     else
       add_segment(knots.radius[k - 1], knots.radius[k], row, &sums);
   }
-  finish_shapes(knots.radius[n - 1], knots.radius[n - 1] - knots.radius[n - 2], &sums);
+  finish_shapes(knots.radius[n - 1], &sums);
   std::copy_n(sums.integral, count, albedo);
   std::copy_n(sums.range, count, range_mm);
 }
