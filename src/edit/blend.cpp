@@ -81,12 +81,11 @@ void blend(const BlendAmounts& amounts, EditState& state, const Mask& mask, Edit
   }
   if (!(amounts.shape > 0)) return;
   const KnotTable knots = make_knot_table(state.knots_mm);
-  reshape(state, mask.weight, albedo_plane(state), range_plane(state),
-          [&](const ShapeBlock& target, float* rows) {
-            Source own;
-            const Source* source = fill(target, own);
-            mix_shapes(knots, target, *source, amounts.shape, rows);
-          });
+  reshape(state, mask.weight, [&](const ShapeBlock& target, float* rows) {
+    Source own;
+    const Source* source = fill(target, own);
+    mix_shapes(knots, target, *source, amounts.shape, rows);
+  });
 }
 
 // The places of knots relative to the last one agree to rounding.

@@ -36,8 +36,6 @@ PARIAN_HOT void lower_row(const float* PARIAN_RESTRICT above, float* PARIAN_REST
 struct Reshape {
   const EditState& before;
   const std::vector<float>& amount;
-  const Plane& albedo;
-  const Plane& range_mm;
   const ShapeFunction& make_rows;
   const KnotTable knots;
   ShapePlanes& shapes;
@@ -82,8 +80,9 @@ struct Reshape {
       const std::size_t at = channel * pixels + block.first + i;
       shapes.albedo[at] = buffers.albedo[i];
       shapes.range_mm[at] = buffers.range_mm[i];
-      gain[at] = albedo[at] / buffers.albedo[i];
-      dilation[at] = range_mm[at] / buffers.range_mm[i];
+      // What was measured before stands in `before`, what is now in the buffers.
+      gain[at] *= before.shapes->albedo[at] / buffers.albedo[i];
+      dilation[at] *= before.shapes->range_mm[at] / buffers.range_mm[i];
     }
   }
 
@@ -99,20 +98,16 @@ struct Reshape {
 
 }  // namespace
 
-void reshape(EditState& state, const std::vector<float>& amount, const Plane& albedo,
-             const Plane& range_mm, const ShapeFunction& make_rows) {
+void reshape(EditState& state, const std::vector<float>& amount, const ShapeFunction& make_rows) {
   PARIAN_CHECK_EQ(amount.size(), state.pixels());
-  PARIAN_CHECK_EQ(albedo.size(), state.values());
-  PARIAN_CHECK_EQ(range_mm.size(), state.values());
   auto shapes = std::make_shared<ShapePlanes>();
   shapes->log_profile = AlignedVector<float>(state.shapes->log_profile.size());
   shapes->albedo = state.shapes->albedo;
   shapes->range_mm = state.shapes->range_mm;
   auto gain = std::make_shared<Plane>(*state.gain);
   auto dilation = std::make_shared<Plane>(*state.dilation);
-  const Reshape work{state,    amount,    albedo,
-                     range_mm, make_rows, make_knot_table(state.knots_mm),
-                     *shapes,  *gain,     *dilation};
+  const Reshape work{state,   amount, make_rows, make_knot_table(state.knots_mm),
+                     *shapes, *gain,  *dilation};
   const std::size_t blocks = (state.pixels() + shape_lanes - 1) / shape_lanes;
   const auto run = [&](std::size_t begin, std::size_t end) {
     Buffers buffers;

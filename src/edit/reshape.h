@@ -22,9 +22,8 @@ struct ShapeBlock {
 using ShapeFunction = std::function<void(const ShapeBlock& block, float* rows)>;
 
 // Where amount[pixel] > 0 the profiles get the new rows, and gain and dilation such that albedo and
-// range are those of the planes (2 pi C and mm). Elsewhere nothing changes, bit for bit.
-void reshape(EditState& state, const std::vector<float>& amount, const Plane& albedo,
-             const Plane& range_mm, const ShapeFunction& make_rows);
+// range stay. Elsewhere nothing changes, bit for bit.
+void reshape(EditState& state, const std::vector<float>& amount, const ShapeFunction& make_rows);
 
 // value[k][lane] never rises with k: a running minimum, which keeps every profile that falls.
 void make_rows_non_increasing(float* rows, std::size_t knots);

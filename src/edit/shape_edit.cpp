@@ -94,7 +94,7 @@ void apply(const ShapeEdit& edit, EditState& state, const Mask& mask) {
                      block.rows, block.amount, rows + k * shape_lanes);
     make_rows_non_increasing(rows, knots);
   };
-  reshape(state, mask.weight, albedo_plane(state), range_plane(state), make_rows);
+  reshape(state, mask.weight, make_rows);
 }
 
 std::size_t make_monotone(EditState& state, const Mask& mask) {
@@ -131,7 +131,7 @@ std::size_t make_monotone(EditState& state, const Mask& mask) {
       if (here[pixels + i] > here[i] && mask.weight[i] > 0) rising[i] = 1;
   }
   if (std::all_of(rising.begin(), rising.end(), [](float r) { return r == 0; })) return 0;
-  reshape(state, rising, albedo_plane(state), range_plane(state), make_rows);
+  reshape(state, rising, make_rows);
   return changed;
 }
 

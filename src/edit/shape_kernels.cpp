@@ -11,6 +11,8 @@ namespace parian {
 namespace {
 
 constexpr double two_pi = 6.283185307179586;
+constexpr double log_of_support = -9.210340371976182;  // ln of support_threshold
+constexpr auto log_of_threshold = static_cast<float>(-log_of_support);
 
 // e^x = 2^k e^f with |f| <= ln 2 / 2, Taylor to f^11: 7e-15 relative. For |x| < 700; 0 below.
 [[gnu::always_inline]] inline double exp_lane(double x) {
@@ -72,56 +74,53 @@ constexpr double two_pi = 6.283185307179586;
 
 }  // namespace
 
-PARIAN_HOT void raise_top(const float* PARIAN_RESTRICT row, double* PARIAN_RESTRICT top) {
-  for (std::size_t i = 0; i < shape_lanes; ++i) {
-    const auto value = static_cast<double>(row[i]);
-    top[i] = value > top[i] ? value : top[i];
-  }
-}
-
 PARIAN_HOT void start_shapes(const float* PARIAN_RESTRICT row, ShapeSums* PARIAN_RESTRICT sums) {
   for (std::size_t i = 0; i < shape_lanes; ++i) {
     sums->log_value[i] = static_cast<double>(row[i]);
     sums->value[i] = exp_lane(sums->log_value[i]);
     sums->integral[i] = 0;
-    sums->above[i] = sums->drop[i] = sums->length[i] = sums->start[i] = 0;
-    sums->top[i] += -9.210340371976182;  // the level from here on: ln of support_threshold
   }
 }
 
 PARIAN_HOT void add_segment(double a, double b, const float* PARIAN_RESTRICT row,
                             ShapeSums* PARIAN_RESTRICT sums) {
-  const double h = b - a, inverse_h = 1 / h;
+  const double h = b - a;
   for (std::size_t i = 0; i < shape_lanes; ++i) {
     const double y0 = sums->log_value[i], y1 = static_cast<double>(row[i]);
     const double p0 = sums->value[i], p1 = exp_lane(y1);
     sums->integral[i] += integrate_lane(a, h, y1 - y0, p0, p1);
-    const bool crosses = y0 > sums->top[i] && y1 <= sums->top[i];
-    sums->above[i] = crosses ? y0 : sums->above[i];
-    sums->drop[i] = crosses ? y0 - y1 : sums->drop[i];
-    sums->start[i] = crosses ? a : sums->start[i];
-    sums->length[i] = crosses ? h : sums->length[i];
-    sums->slope[i] = (y1 - y0) * inverse_h;
     sums->log_value[i] = y1;
     sums->value[i] = p1;
   }
 }
 
-PARIAN_HOT void finish_shapes(double last_radius, ShapeSums* PARIAN_RESTRICT sums) {
-  const double least = -min_tail_decay / last_radius, limit = (support_limit - 1) * last_radius;
+PARIAN_HOT void note_crossing(const float* PARIAN_RESTRICT before, const float* PARIAN_RESTRICT row,
+                              float index, ShapeCrossings* PARIAN_RESTRICT crossings) {
   for (std::size_t i = 0; i < shape_lanes; ++i) {
-    const double slope = sums->slope[i] < least ? sums->slope[i] : least;
-    const bool has_tail = sums->log_value[i] > sums->top[i];
-    double tail = (sums->top[i] - sums->log_value[i]) / slope;
+    const float level = crossings->top[i] - log_of_threshold;
+    const bool crosses = (before[i] > level) & (row[i] <= level);
+    crossings->segment[i] = crosses ? index : crossings->segment[i];
+  }
+}
+
+PARIAN_HOT void finish_shapes(const float* PARIAN_RESTRICT before, const float* PARIAN_RESTRICT end,
+                              double last_radius, double last_length,
+                              const ShapeCrossings* PARIAN_RESTRICT crossings,
+                              ShapeSums* PARIAN_RESTRICT sums) {
+  const double least = -min_tail_decay / last_radius, limit = (support_limit - 1) * last_radius;
+  const double inverse_length = 1 / last_length;
+  for (std::size_t i = 0; i < shape_lanes; ++i) {
+    const double y = static_cast<double>(end[i]);
+    const double last_slope = (y - static_cast<double>(before[i])) * inverse_length;
+    const double slope = last_slope < least ? last_slope : least;
+    const double level = static_cast<double>(crossings->top[i]) + log_of_support;
+    double tail = (level - y) / slope;
     tail = tail < limit ? tail : limit;
-    tail = has_tail ? tail : 0;
+    tail = y > level ? tail : 0;
     const double beta = slope * tail, p0 = sums->value[i];
     const double more = integrate_lane(last_radius, tail, beta, p0, p0 * exp_lane(beta));
     sums->integral[i] = two_pi * (sums->integral[i] + more);
-    const double drop = has_tail ? 1 : sums->drop[i];
-    const double inside =
-        sums->start[i] + sums->length[i] * ((sums->above[i] - sums->top[i]) / drop);
-    sums->range[i] = has_tail ? last_radius + tail : inside;
+    sums->tail[i] = tail;
   }
 }
 
@@ -133,7 +132,7 @@ PARIAN_HOT void finish_tails(const float* PARIAN_RESTRICT top, const float* PARI
   for (std::size_t i = 0; i < shape_lanes; ++i) {
     const float last_slope = (end[i] - before[i]) / last_length;
     const float slope = last_slope < least ? last_slope : least;
-    const float level = top[i] - 9.2103404f;  // ln of support_threshold
+    const float level = top[i] - log_of_threshold;
     const float crossing = last_radius + (level - end[i]) / slope;
     float support = end[i] > level ? crossing : last_radius;
     support = support < limit ? support : limit;

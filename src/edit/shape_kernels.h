@@ -7,25 +7,26 @@ namespace parian {
 
 // Running measurement of a block; see measure_shapes.
 struct ShapeSums {
-  alignas(64) double top[shape_lanes];        // largest ln P
   alignas(64) double log_value[shape_lanes];  // ln P at the last knot added
   alignas(64) double value[shape_lanes];      // P there
-  alignas(64) double slope[shape_lanes];      // of the last segment
   alignas(64) double integral[shape_lanes];  // int P r dr so far; after finish_shapes 2 pi times it
-  alignas(64) double above[shape_lanes];     // where P last crosses the threshold: ln P before,
-  alignas(64) double drop[shape_lanes];      // how far it falls over that segment,
-  alignas(64) double start[shape_lanes];     // the segment's start
-  alignas(64) double length[shape_lanes];    // and length
-  alignas(64) double range[shape_lanes];     // after finish_shapes: alpha
+  alignas(64) double tail[shape_lanes];      // after finish_shapes: support beyond the last knot
 };
-
-// top = max(top, row)
-void raise_top(const float* row, double* top);
 void start_shapes(const float* row, ShapeSums* sums);
 // The segment from radius a to b, at whose end ln P is `row`.
 void add_segment(double a, double b, const float* row, ShapeSums* sums);
-// The tail beyond the last knot.
-void finish_shapes(double last_radius, ShapeSums* sums);
+
+// Where P falls below the threshold for good: the last segment that crosses the level.
+struct ShapeCrossings {
+  alignas(64) float top[shape_lanes];      // largest ln P
+  alignas(64) float segment[shape_lanes];  // its index, whole; -1: none so far
+};
+// segment = index where ln P falls through the level from `before` to `row`.
+void note_crossing(const float* before, const float* row, float index, ShapeCrossings* crossings);
+
+// The tail beyond the last knot, from ln P there and at the knot before.
+void finish_shapes(const float* before, const float* end, double last_radius, double last_length,
+                   const ShapeCrossings* crossings, ShapeSums* sums);
 
 // Rows of profiles on common knots: value[k * shape_lanes + i].
 struct ShapeRows {

@@ -59,30 +59,69 @@ ShapeRows view_rows(const KnotTable& knots, const float* rows, const ShapeTails&
           .knots = static_cast<int>(knots.radius.size())};
 }
 
+namespace {
+
+// Rows of a block: where they lie, or a copy in which idle lanes repeat the last one.
+class BlockRows {
+ public:
+  BlockRows(const float* rows, std::size_t stride, std::size_t count, std::size_t knots)
+      : rows_(rows), stride_(stride) {
+    if (count == shape_lanes) return;
+    copy_ = AlignedVector<float>(knots * shape_lanes);
+    for (std::size_t k = 0; k < knots; ++k) {
+      float* row = &copy_[k * shape_lanes];
+      std::copy_n(rows + k * stride, count, row);
+      std::fill(row + count, row + shape_lanes, row[count - 1]);
+    }
+    rows_ = copy_.data();
+    stride_ = shape_lanes;
+  }
+  const float* operator[](std::size_t k) const { return rows_ + k * stride_; }
+
+ private:
+  AlignedVector<float> copy_;
+  const float* rows_;
+  std::size_t stride_;
+};
+
+// alpha of a profile that falls through the level within its knots, as profile_range.
+double find_range(const KnotTable& knots, const BlockRows& rows, std::size_t i, double level,
+                  float segment) {
+  const auto value = [&](std::size_t k) { return static_cast<double>(rows[k][i]); };
+  // Floats may see the crossing one segment off: it is the last whose start lies above the level.
+  auto k = static_cast<std::size_t>(std::max(0.0f, segment));
+  while (k + 2 < knots.radius.size() && value(k + 1) > level) ++k;
+  while (k > 0 && value(k) <= level) --k;
+  return knots.radius[k] +
+         (knots.radius[k + 1] - knots.radius[k]) * ((value(k) - level) / (value(k) - value(k + 1)));
+}
+
+}  // namespace
+
 void measure_shapes(const KnotTable& knots, const float* log_value, std::size_t stride,
                     std::size_t count, double* albedo, double* range_mm) {
-  ShapeSums sums;
-  for (std::size_t i = 0; i < shape_lanes; ++i) sums.top[i] = -1e300;
   const std::size_t n = knots.radius.size();
-  alignas(64) float row[shape_lanes] = {};
-  const auto load = [&](std::size_t k) {  // idle lanes repeat the last one
-    std::copy_n(log_value + k * stride, count, row);
-    for (std::size_t i = count; i < shape_lanes; ++i) row[i] = row[count - 1];
-  };
-  for (std::size_t k = 0; k < n; ++k) {
-    load(k);
-    raise_top(row, sums.top);
+  const BlockRows rows(log_value, stride, count, n);
+  ShapeCrossings crossings;
+  std::copy_n(rows[0], shape_lanes, crossings.top);
+  std::fill_n(crossings.segment, shape_lanes, -1.0f);
+  for (std::size_t k = 1; k < n; ++k) raise_row(rows[k], crossings.top);
+  ShapeSums sums;
+  start_shapes(rows[0], &sums);
+  for (std::size_t k = 1; k < n; ++k) {
+    add_segment(knots.radius[k - 1], knots.radius[k], rows[k], &sums);
+    note_crossing(rows[k - 1], rows[k], static_cast<float>(k - 1), &crossings);
   }
-  for (std::size_t k = 0; k < n; ++k) {
-    load(k);
-    if (k == 0)
-      start_shapes(row, &sums);
-    else
-      add_segment(knots.radius[k - 1], knots.radius[k], row, &sums);
-  }
-  finish_shapes(knots.radius[n - 1], &sums);
+  finish_shapes(rows[n - 2], rows[n - 1], knots.radius[n - 1],
+                knots.radius[n - 1] - knots.radius[n - 2], &crossings, &sums);
   std::copy_n(sums.integral, count, albedo);
-  std::copy_n(sums.range, count, range_mm);
+  for (std::size_t i = 0; i < count; ++i)
+    range_mm[i] =
+        sums.tail[i] > 0
+            ? knots.radius[n - 1] + sums.tail[i]
+            : find_range(knots, rows, i,
+                         static_cast<double>(crossings.top[i]) + std::log(support_threshold),
+                         crossings.segment[i]);
 }
 
 std::shared_ptr<const ShapePlanes> make_shape_planes(AlignedVector<float> log_profile,

@@ -65,8 +65,7 @@ void filter_shapes(const Filter& filter, EditState& state, const Mask& mask) {
   const std::size_t knots = state.knots_mm.size();
   const std::vector<float> rows = normalise_rows(state);
   const std::vector<float> filtered = filter.run(rows);
-  const Plane albedo = albedo_plane(state), range = range_plane(state);
-  reshape(state, mask.weight, albedo, range, [&](const ShapeBlock& at, float* out) {
+  reshape(state, mask.weight, [&](const ShapeBlock& at, float* out) {
     for (std::size_t k = 0; k < knots; ++k) {
       const std::size_t plane = static_cast<std::size_t>(at.channel) * knots + k;
       for (std::size_t i = 0; i < shape_lanes; ++i) {
