@@ -11,6 +11,7 @@
 #include <map>
 #include <numeric>
 
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
 #include "bench/common/page.h"
@@ -257,6 +258,7 @@ void run(const std::string& docs) {
 }  // namespace parian
 
 int main(int argc, char** argv) {
+  parian::keep_freed_memory();  // as the program does
   std::string docs;
   for (int i = 1; i + 1 < argc; ++i)
     if (std::string(argv[i]) == "--docs") docs = argv[i + 1];
