@@ -12,13 +12,20 @@ namespace parian {
 // One channel's coefficients in 1/mm.
 struct DipoleCoefficients {
   double sigma_a = 0.01;
-  double sigma_s_prime = 1;
+  double sigma_s_prime = 1;  // (1 - g) sigma_s
+  double g = 0;              // mean cosine of scattering angles, in (-1, 1): single scattering only
 };
 
 struct Dipole {
   std::vector<DipoleCoefficients> channels;  // 1, or 3: linear Rec. 709
   double eta = 1.3;
+  bool single_scattering = false;  // light that scatters once counts beside R_d (Xu et al., Eq. 5)
 };
+
+// sigma_s = sigma_s' / (1 - g)
+inline double sigma_s_of(const DipoleCoefficients& medium) {
+  return medium.sigma_s_prime / (1 - medium.g);
+}
 
 // Average diffuse Fresnel reflectance, the polynomial of Egan and Hilgeman as in Jensen et al.
 double fresnel_diffuse_reflectance(double eta);
