@@ -1,4 +1,5 @@
 #include <chrono>
+#include <numbers>
 
 #include "base/parallel.h"
 #include "material/profile_field.h"
@@ -8,24 +9,12 @@
 #include "transport/gather_table.h"
 #include "transport/irradiance.h"
 #include "transport/moment_tree.h"
+#include "transport/precompute.h"
 
 namespace parian {
 namespace {
 
 constexpr std::size_t block = 1024;
-
-// Whether a ray inwards leaves without meeting the inside of a face. Faces met from outside belong
-// to other parts of the object that overlap: the ray goes on.
-bool does_escape(const SurfacePoint& point, const RayTracer& tracer) {
-  Ray ray{point.position - point.geometric_normal * tracer.epsilon_mm(), -point.geometric_normal};
-  for (int crossings = 0; crossings < 64; ++crossings) {
-    const auto hit = tracer.intersect(ray);
-    if (!hit) return true;
-    if (hit->from_inside) return false;
-    ray.t_min = hit->t + tracer.epsilon_mm();
-  }
-  return false;
-}
 
 GatherPoint to_gather_point(const SurfacePoint& point, const SamplePoint& place) {
   return {point.position, point.normal, static_cast<float>(place.x), static_cast<float>(place.y)};
@@ -152,6 +141,47 @@ std::vector<Rgb> gather(const GatherWork& work, const BssrdfTable& table, std::v
   return exitance;
 }
 
+// Light that scatters once, as exitance that looks the same from the camera: pi L / F_t.
+void add_single_scattering(const GatherWork& work, const RayTracer& tracer, const Dipole& material,
+                           std::vector<Rgb>& exitance) {
+  const Scene& scene = work.scene;
+  std::vector<SurfacePoint> points;
+  std::vector<Vec3> positions, normals;
+  points.reserve(exitance.size());
+  for (std::size_t i = 0; i < exitance.size(); ++i) {
+    points.push_back(work.get_target(i));
+    positions.push_back(points[i].position);
+    normals.push_back(points[i].normal);
+  }
+  HomogeneousTransport transport = make_empty_transport(scene);
+  transport.places = points.size();
+  SingleScatteringParams params;
+  params.seed = work.params.seed;
+  for (const Light& light : scene.lights) {
+    const std::vector<float> value =
+        compute_single_transport(transport.single_basis, points, light, scene.mesh, tracer,
+                                 material.eta, params, work.progress);
+    transport.lights.push_back(
+        {.single = pack_transport(value, transport.single_basis.size(), single_components)});
+  }
+  std::vector<Rgb> radiance;
+  eval_transport(
+      transport, TransportProjection(transport).fit(material),
+      std::vector<Rgb>(scene.lights.size(), Rgb{1, 1, 1}),
+      make_transport_view(positions, normals, scene.camera.position, material.eta, false),
+      radiance);
+  for (std::size_t i = 0; i < exitance.size(); ++i)
+    exitance[i] += radiance[i] * std::numbers::pi_v<float>;
+}
+
+// Of a scene of one homogeneous material that asks for it.
+const Dipole* find_single_scattering(const Scene& scene) {
+  const auto* material = std::get_if<Material>(&scene.material);
+  const auto* dipole = material != nullptr ? std::get_if<Dipole>(material) : nullptr;
+  const bool has = dipole != nullptr && dipole->single_scattering && scene.layers.empty();
+  return has ? dipole : nullptr;
+}
+
 }  // namespace
 
 Stopwatch::Stopwatch() : last_(0) {
@@ -164,17 +194,6 @@ double Stopwatch::lap() {
   const double elapsed = seconds - last_;
   last_ = seconds;
   return elapsed;
-}
-
-double measure_escapes(const SurfaceSamples& samples, const RayTracer& tracer) {
-  const std::size_t count = samples.points.size();
-  if (count == 0) return 0;
-  const double escaped = parallel_sum(count, block, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t i = begin; i < end; ++i) sum += does_escape(samples.points[i], tracer);
-    return sum;
-  });
-  return escaped / static_cast<double>(count);
 }
 
 std::vector<MeshPlace> vertex_places(const TriangleMesh& mesh) {
@@ -202,7 +221,10 @@ std::vector<Rgb> compute_exitance(const Scene& scene, const RayTracer& tracer,
   const GatherWork work{scene, samples, targets, params, report, progress};
   if (const auto* table = std::get_if<BssrdfTable>(&scene.material))
     return gather(work, *table, std::move(flux));
-  return gather(work, std::get<Material>(scene.material), std::move(flux));
+  std::vector<Rgb> exitance = gather(work, std::get<Material>(scene.material), std::move(flux));
+  if (const Dipole* dipole = find_single_scattering(scene))
+    add_single_scattering(work, tracer, *dipole, exitance);
+  return exitance;
 }
 
 }  // namespace parian

@@ -11,10 +11,6 @@
 
 namespace parian {
 
-// Fraction of rays inwards from the samples that leave the mesh without meeting the inside of a
-// face.
-double measure_escapes(const SurfaceSamples& samples, const RayTracer& tracer);
-
 // M in W/mm^2 at each target; fills the report's times, method and brackets.
 std::vector<Rgb> compute_exitance(const Scene& scene, const RayTracer& tracer,
                                   const SurfaceSamples& samples,

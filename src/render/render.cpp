@@ -1,27 +1,11 @@
 #include "render/render.h"
 
-#include <fmt/format.h>
-
-#include <cmath>
-
-#include "base/error.h"
+#include "mesh/closed.h"
 #include "render/exitance_internal.h"
 #include "render/shade_internal.h"
 
 namespace parian {
 namespace {
-
-constexpr double most_escapes = 0.01;
-
-void check_escapes(const Scene& scene, std::size_t samples, RenderReport& report) {
-  if (!(report.escaping_fraction > 0)) return;
-  const auto escaped = std::llround(report.escaping_fraction * static_cast<double>(samples));
-  const std::string found = fmt::format("{} of {} rays into the mesh escape ({:.3g} %)", escaped,
-                                        samples, 100 * report.escaping_fraction);
-  if (report.escaping_fraction > most_escapes)
-    throw Error({scene.mesh_name, "faces", "a closed surface", found + ": it has holes"});
-  report.warnings.push_back(found + ": it has holes");
-}
 
 void check_view(const PrimaryView& view, RenderReport& report) {
   if (view.hits.empty()) {
@@ -38,8 +22,7 @@ SurfaceSamples make_samples(const Scene& scene, const RayTracer& tracer, const R
   report.samples = samples.points.size();
   report.area_mm2 = samples.area_mm2 * static_cast<double>(samples.points.size());
   report.sample_spacing_mm = samples.spacing_mm();
-  report.escaping_fraction = measure_escapes(samples, tracer);
-  check_escapes(scene, samples.points.size(), report);
+  report.escaping_fraction = check_closed(samples, tracer, scene.mesh_name, report.warnings);
   return samples;
 }
 

@@ -172,6 +172,15 @@ TEST(ReadScene, HomogeneousMaterials) {
   EXPECT_EQ(dipole.channels[2].sigma_a, 0.3);
   EXPECT_EQ(dipole.channels[2].sigma_s_prime, 1.5);
   EXPECT_EQ(dipole.eta, 1.3);
+  EXPECT_FALSE(dipole.single_scattering);
+  const Scene single = read_with("material", object({{"sigma_a", 0.1},
+                                                     {"sigma_s", 2},
+                                                     {"g", array({0, 0.5, -0.5})},
+                                                     {"single_scattering", true}}));
+  const auto& once = std::get<Dipole>(std::get<Material>(single.material));
+  EXPECT_TRUE(once.single_scattering);
+  EXPECT_EQ(once.channels[1].sigma_s_prime, 1);
+  EXPECT_EQ(sigma_s_of(once.channels[2]), 2);
   const auto error = [](Document material) { return error_with("material", std::move(material)); };
   EXPECT_EQ(error(object({{"named", "marbel"}})),
             "s.json: /material/named: expected the name of a measured material, found 'marbel' "
@@ -179,19 +188,30 @@ TEST(ReadScene, HomogeneousMaterials) {
   EXPECT_EQ(error(object({{"named", "Coke"}})),
             "s.json: /material/named: expected a material that scatters in every channel, found "
             "'Coke', of which a channel has none measured");
-  EXPECT_EQ(error(object({{"sigma_a", 0.1}})),
-            "s.json: /material: expected the key 'sigma_s_prime', found no such key");
+  EXPECT_EQ(
+      error(object({{"sigma_a", 0.1}})),
+      "s.json: /material: expected one of the keys 'sigma_s_prime' or 'sigma_s', found none of "
+      "them");
   EXPECT_EQ(error(object({{"sigma_a", 0.1}, {"sigma_s_prime", array({1, 2})}})),
             "s.json: /material/sigma_s_prime: expected a number or an array of 3, found an array "
             "of 2");
   EXPECT_EQ(error(object({{"named", "Marble"}, {"eta", 1.4}})),
             "s.json: /material/eta: expected the key 'eta' only beside 'sigma_a', found it here");
   EXPECT_EQ(error(object({{"named", "Marble"}, {"file", "m.h5"}})),
-            "s.json: /material/named: expected only one of the keys 'file', 'named', 'sigma_a' or "
-            "'sigma_s_prime', found another");
-  EXPECT_EQ(error(object({})),
-            "s.json: /material: expected one of the keys 'file', 'named', 'sigma_a' or "
-            "'sigma_s_prime', found none of them");
+            "s.json: /material/named: expected only one of the keys 'file', 'named', 'sigma_a', "
+            "'sigma_s_prime' or 'sigma_s', found another");
+  EXPECT_EQ(
+      error(object({})),
+      "s.json: /material: expected one of the keys 'file', 'named', 'sigma_a', 'sigma_s_prime' "
+      "or 'sigma_s', found none of them");
+  EXPECT_EQ(error(object({{"sigma_a", 1}, {"sigma_s", 1}, {"g", 1}})),
+            "s.json: /material/g: expected a number in [-0.99, 0.99], found 1");
+  EXPECT_EQ(error(object({{"sigma_a", 1}, {"sigma_s", 1}, {"sigma_s_prime", 1}})),
+            "s.json: /material/sigma_s_prime: expected only one of the keys 'sigma_s_prime' or "
+            "'sigma_s', found another");
+  EXPECT_EQ(error(object({{"file", "m.h5"}, {"single_scattering", true}})),
+            "s.json: /material/single_scattering: expected the key 'single_scattering' only beside "
+            "'sigma_a' or 'named', found it here");
   EXPECT_EQ(error(object({{"file", ""}})),
             "s.json: /material/file: expected a path, found an empty string");
 }

@@ -32,6 +32,7 @@ std::size_t half_index(const PackedTransport& packed, std::size_t place, std::si
 // Coefficients times the scales of the functions and the colour of a light.
 AlignedVector<float> scale_coefficients(const std::vector<float>& coefficients,
                                         const PackedTransport& packed, Rgb scale) {
+  if (packed.functions == 0) return {};
   PARIAN_CHECK_EQ(coefficients.size(), 3 * packed.functions);
   const float colour[3] = {scale.x, scale.y, scale.z};
   AlignedVector<float> scaled(coefficients.size());
@@ -115,7 +116,8 @@ void TransportProjection::set_E(TransportCoefficients& coefficients, std::size_t
 }
 
 TransportView make_transport_view(const std::vector<Vec3>& positions,
-                                  const std::vector<Vec3>& normals, Vec3 eye, double eta) {
+                                  const std::vector<Vec3>& normals, Vec3 eye, double eta,
+                                  bool has_fresnel) {
   PARIAN_CHECK_EQ(positions.size(), normals.size());
   TransportView view;
   view.value.assign(block_count(positions.size()) * 4 * lanes, 0.0f);
@@ -128,7 +130,7 @@ TransportView make_transport_view(const std::vector<Vec3>& positions,
       // Snell: the part along the surface shrinks by eta.
       const Vec3 along = (w - n * dot(n, w)) * (1 / index);
       const Vec3 refracted = along + n * std::sqrt(std::max(1 - dot(along, along), 0.0f));
-      at[0] = fresnel_transmission(index, cosine);
+      at[0] = has_fresnel ? fresnel_transmission(index, cosine) : 1.0f;
       at[lanes] = refracted.x;
       at[2 * lanes] = refracted.y;
       at[3 * lanes] = refracted.z;
@@ -147,9 +149,7 @@ void eval_transport(const HomogeneousTransport& transport,
   for (std::size_t i = 0; i < scale.size(); ++i) {
     const LightTransport& light = transport.lights[i];
     multiple.push_back(scale_coefficients(coefficients.multiple, light.multiple, scale[i]));
-    single.push_back(light.single.functions == 0
-                         ? AlignedVector<float>{}
-                         : scale_coefficients(coefficients.single, light.single, scale[i]));
+    single.push_back(scale_coefficients(coefficients.single, light.single, scale[i]));
   }
   radiance.resize(transport.places);
   constexpr std::size_t chunk = 64;  // blocks
@@ -158,8 +158,9 @@ void eval_transport(const HomogeneousTransport& transport,
     const float* seen = &view.value[begin * 4 * lanes];
     for (std::size_t i = 0; i < scale.size(); ++i) {
       const PackedTransport &T = transport.lights[i].multiple, &S = transport.lights[i].single;
-      add_multiple(&T.half[begin * T.functions * 3 * lanes], end - begin, T.functions,
-                   multiple[i].data(), sums);
+      if (T.functions > 0)
+        add_multiple(&T.half[begin * T.functions * 3 * lanes], end - begin, T.functions,
+                     multiple[i].data(), sums);
       if (S.functions > 0)
         add_single(&S.half[begin * S.functions * 12 * lanes], end - begin, S.functions,
                    single[i].data(), coefficients.three_g.data(), seen, sums);

@@ -49,8 +49,8 @@ float unpack(const PackedTransport& packed, std::size_t place, std::size_t funct
 
 struct LightTransport {
   std::string name;
-  PackedTransport multiple;  // 3 components
-  PackedTransport single;    // 12 components; 0 functions: left out
+  PackedTransport multiple;  // 3 components; 0 functions: left out
+  PackedTransport single;    // 12 components; likewise
 };
 
 struct HomogeneousTransport {
@@ -92,9 +92,11 @@ class TransportProjection {
 struct TransportView {
   std::vector<float> value;  // [block][4][lane]: F_t(w_o), and w_o' refracted, pointing outwards
 };
-// Towards an eye; places that face away get F_t as at grazing incidence, 0.
+// Towards an eye; places that face away get F_t as at grazing incidence, 0. Without Fresnel F_t
+// counts as 1: for renderers that have one of their own.
 TransportView make_transport_view(const std::vector<Vec3>& positions,
-                                  const std::vector<Vec3>& normals, Vec3 eye, double eta);
+                                  const std::vector<Vec3>& normals, Vec3 eye, double eta,
+                                  bool has_fresnel = true);
 
 // Radiance at all places: scale[light] multiplies each light's transport. `radiance` gets
 // [place]. The same bits for any number of threads and any kind of processor.

@@ -5,7 +5,7 @@
 
 #include "base/check.h"
 #include "base/parallel.h"
-#include "transport/basis_table.h"
+#include "transport/interval_table.h"
 #include "transport/radial_near.h"
 #include "transport/radial_nodes.h"
 #include "transport/target_block.h"
@@ -36,13 +36,13 @@ struct Emission {
 struct IntervalSums {
   std::vector<std::array<Flux, 3>, CacheLineAllocator<std::array<Flux, 3>>> value;
 
-  explicit IntervalSums(const BasisTable& table) : value(table.end.size() + 1) {}
+  explicit IntervalSums(const IntervalTable& table) : value(table.end.size() + 1) {}
   void clear() { std::fill(value.begin(), value.end(), std::array<Flux, 3>{}); }
   Flux (*data())[3] { return reinterpret_cast<Flux(*)[3]>(value.data()); }
 };
 
 // sum_i c_i[p] moment[p] of the intervals where a function is not 0.
-void add_functions(const BasisTable& table, const IntervalSums& sums, Flux* function) {
+void add_functions(const IntervalTable& table, const IntervalSums& sums, Flux* function) {
   for (std::size_t k = 0; k < table.end.size(); ++k)
     for (std::size_t i = 0; i <= static_cast<std::size_t>(table.degree); ++i)
       for (std::size_t p = 0; p <= static_cast<std::size_t>(table.degree); ++p)
@@ -58,7 +58,7 @@ struct Buffers {
   AlignedVector<Flux> functions;
   NearSums near_sums;
 
-  explicit Buffers(const BasisTable& table) : far(table), near(table), own(table) {}
+  explicit Buffers(const IntervalTable& table) : far(table), near(table), own(table) {}
   void resize(std::size_t count) {
     for (auto& value : values) value.resize(count);
     for (auto& value : intervals) value.resize(count);
@@ -69,7 +69,7 @@ struct Work {
   const GatherSources& sources;
   const std::vector<GatherPoint>& targets;
   RadialNodes nodes;
-  BasisTable table;
+  IntervalTable table;
   NearTerm near;
   float opening;
 
@@ -198,7 +198,7 @@ RadialMoments compute_radial_moments(const SplineBasis& basis, const GatherSourc
   const Work work{sources,
                   targets,
                   make_radial_nodes(sources),
-                  make_basis_table(basis),
+                  make_interval_table(basis),
                   make_near_term(basis, near_mm, sources.area_mm2),
                   static_cast<float>(params.opening)};
   const std::vector<std::uint32_t> order = order_targets(targets);

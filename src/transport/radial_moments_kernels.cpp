@@ -58,7 +58,7 @@ PARIAN_HOT void find_intervals(const int* PARIAN_RESTRICT interval_of_bin,
 
 }  // namespace
 
-void find_places(const BasisTable* table, std::size_t count, const Places* places) {
+void find_places(const IntervalTable* table, std::size_t count, const Places* places) {
   find_intervals(table->interval_of_bin.data(), table->end.data(), table->start.data(),
                  table->inverse_length.data(), table->bins_per_mm, table->reach,
                  static_cast<int>(table->end.size()), count, places->distance, places->interval,

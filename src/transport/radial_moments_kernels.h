@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "transport/basis_table.h"
+#include "transport/interval_table.h"
 
 namespace parian {
 
@@ -25,7 +25,7 @@ struct Places {
   int* interval = nullptr;
   float* t = nullptr;
 };
-void find_places(const BasisTable* table, std::size_t count, const Places* places);
+void find_places(const IntervalTable* table, std::size_t count, const Places* places);
 
 // What a target sees of a node: two distances (places to be found), the direction, and half the
 // inverse of their spread.

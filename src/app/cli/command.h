@@ -59,6 +59,7 @@ CommandSpec make_edit_command();
 CommandSpec make_reconstruct_command();
 CommandSpec make_compare_command();
 CommandSpec make_relight_command();
+CommandSpec make_precompute_command();
 CommandSpec make_render_command();
 CommandSpec make_info_command();
 CommandSpec make_demo_command();
@@ -66,8 +67,8 @@ CommandSpec make_demo_command();
 inline std::vector<CommandSpec> all_commands() {
   return {make_simulate_command(), make_fit_command(),         make_compress_command(),
           make_edit_command(),     make_reconstruct_command(), make_compare_command(),
-          make_relight_command(),  make_render_command(),      make_info_command(),
-          make_demo_command()};
+          make_relight_command(),  make_precompute_command(),  make_render_command(),
+          make_info_command(),     make_demo_command()};
 }
 
 }  // namespace parian

@@ -6,19 +6,23 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "app/cli/command.h"
 #include "app/cli/inputs.h"
 #include "app/cli/output.h"
+#include "app/cli/sweep.h"
 #include "base/error.h"
+#include "io/hdf5/transport_file.h"
 #include "io/image/image_file.h"
+#include "render/transport_renderer.h"
 
 namespace parian {
 namespace {
 
 struct RenderOptions {
-  std::string scene, output;
+  std::string scene, output, transport, sweep;
   RenderParams params;
 };
 
@@ -87,6 +91,8 @@ std::string summarise(const RenderOptions& options, const Scene& scene,
                       report.sample_spacing_mm, report.targets);
   if (report.gather == "tree")
     text += fmt::format(" by the tree, {:.0f} nodes and samples each\n", report.nodes_per_target);
+  else if (report.gather == "transport")
+    text += " from transport\n";
   else if (report.gather == "table")
     text += " from the table without a fit\n";
   else
@@ -102,14 +108,80 @@ std::string summarise(const RenderOptions& options, const Scene& scene,
                     report.shading_s, report.total_s);
 }
 
+// A picture with another homogeneous material in place of the scene's, or with that.
+using FrameSource = std::function<RenderResult(const Dipole* material)>;
+
+const Dipole& get_dipole(const Scene& scene, const std::string& flag) {
+  const auto* material = std::get_if<Material>(&scene.material);
+  const auto* dipole = material != nullptr ? std::get_if<Dipole>(material) : nullptr;
+  if (dipole != nullptr) return *dipole;
+  throw Error({{}, flag, "a scene of a homogeneous material", "'" + scene.material_name + "'"},
+              ErrorKind::usage);
+}
+
+FrameSource make_frames(Scene& scene, const RenderOptions& options, const Context& context) {
+  if (options.transport.empty())
+    return [&](const Dipole* material) {
+      if (material != nullptr) scene.material = Material(*material);
+      return render(scene, options.params, context.progress);
+    };
+  const Dipole own = get_dipole(scene, "--transport");
+  auto file = std::make_shared<TransportFile>(load_transport(options.transport));
+  if (!file->is_complete())
+    throw Error(
+        {options.transport, "attribute 'lights_done'",
+         "transport of all lights; 'parian precompute' goes on with it",
+         fmt::format("{} of {}", file->transport.lights.size(), file->fingerprint.lights.size())});
+  check_fingerprint(*file, options.transport, fingerprint_of(scene, {}), false);
+  if (file->transport.eta != own.eta)
+    throw Error({options.transport, "attribute 'eta'", fmt::format("{}, the scene's", own.eta),
+                 fmt::format("{}", file->transport.eta)});
+  auto renderer =
+      std::make_shared<TransportRenderer>(scene, file->transport, options.params, context.progress);
+  return [file, renderer, own, &context](const Dipole* material) {
+    return renderer->render(material != nullptr ? *material : own, context.progress);
+  };
+}
+
+// With '#' in its name a file for each value, else one with all of them.
+void render_sweep(const Scene& scene, const FrameSource& frames, const Sweep& sweep,
+                  const RenderOptions& options, const Context& context) {
+  const Dipole own = get_dipole(scene, "--sweep");
+  const bool is_sequence = options.output.find('#') != std::string::npos;
+  std::vector<Image> pictures;
+  Document::Array figures;
+  std::string text;
+  for (std::size_t i = 0; i < sweep.values.size(); ++i) {
+    const double value = sweep.values[i];
+    const Dipole material = set_coefficient(own, sweep.name, value);
+    RenderResult result = frames(&material);
+    const std::string name = frame_name(options.output, i + 1);
+    if (is_sequence)
+      save_image(name, result.image);
+    else
+      pictures.push_back(std::move(result.image));
+    if (i == 0) print_warnings(result.report.warnings, context);
+    figures.push_back(Document::Object{{sweep.name, value},
+                                       {"file", name},
+                                       {"gather_s", result.report.gather_s},
+                                       {"total_s", result.report.total_s}});
+    text += fmt::format("{}: {} = {:.4g}, {:.4f} s gathering, {:.2f} s in all\n", name, sweep.name,
+                        value, result.report.gather_s, result.report.total_s);
+  }
+  if (!is_sequence) save_image(options.output, make_contact_sheet(pictures));
+  write_figures(context, Document::Object{{"frames", std::move(figures)}});
+  print_summary(context, text);
+}
+
 // A name on the command line is checked before the scene is read, which may take seconds.
 void render_file(RenderOptions options, const Context& context) {
   if (!options.output.empty()) {
     check_picture_name(options.output);
     check_output(options.output, {options.scene});
   }
+  if (!options.sweep.empty()) parse_sweep(options.sweep);
   check_figures(context);
-  const LoadedScene loaded = load_scene(options.scene);
+  LoadedScene loaded = load_scene(options.scene);
   if (options.output.empty()) {
     if (loaded.scene.output.empty())
       throw Error({{}, "--output", "an image to write, here or as the scene's 'output'", "neither"},
@@ -120,7 +192,10 @@ void render_file(RenderOptions options, const Context& context) {
   }
   check_output(options.output, loaded.files);
   print_warnings(loaded.scene.warnings, context);
-  const RenderResult result = render(loaded.scene, options.params, context.progress);
+  const FrameSource frames = make_frames(loaded.scene, options, context);
+  if (!options.sweep.empty())
+    return render_sweep(loaded.scene, frames, parse_sweep(options.sweep), options, context);
+  const RenderResult result = frames(nullptr);
   save_image(options.output, result.image);
   print_warnings(result.report.warnings, context);
   write_figures(context, to_document(result.report, loaded));
@@ -136,8 +211,15 @@ CommandSpec make_render_command() {
   command.summary = "show a material on a mesh under light";
   command.example = "parian render examples/scenes/knot-marble.json -o knot.png --quality 0.01";
   command.positionals = {{"SCENE.json", "scene description", &options->scene}};
-  command.flags = {{"output", 'o', "IMAGE",
-                    "image to write: .png, .exr or .hdr; default: the scene's", &options->output}};
+  command.flags = {
+      {"output", 'o', "IMAGE", "image to write: .png, .exr or .hdr; default: the scene's",
+       &options->output},
+      {"transport", 0, "TRANSPORT.h5",
+       "of 'parian precompute' for this scene: homogeneous materials at once", &options->transport},
+      {"sweep", 0, "NAME=FIRST:LAST:COUNT",
+       "sigma_a, sigma_s, sigma_s_prime or g over a range: a contact sheet, or a "
+       "picture for each value where the output's name has '#'",
+       &options->sweep}};
   command.params = describe(options->params);
   command.has_figures = true;
   command.run = [options](const Context& context) { render_file(*options, context); };

@@ -61,4 +61,15 @@ std::string make_edit_provenance(const std::string& file, const std::string& pro
   return format_document(edit);
 }
 
+std::string make_transport_provenance(const std::string& scene_file,
+                                      const PrecomputeParams& params) {
+  PrecomputeParams copy = params;
+  Document provenance{Document::Object{}};
+  set(provenance, "kind", "precompute");
+  set(provenance, "program", "parian " PARIAN_VERSION);
+  set(provenance, "parameters", write_params(describe(copy)));
+  set(provenance, "scene", std::filesystem::path(scene_file).filename().string());
+  return format_document(provenance);
+}
+
 }  // namespace parian

@@ -7,6 +7,7 @@
 #include "compress/compress_params.h"
 #include "fit/fit_params.h"
 #include "material/slices.h"
+#include "transport/precompute.h"
 
 namespace parian {
 
@@ -21,5 +22,9 @@ std::string make_blend_provenance(const std::string& file, const std::string& ma
 // The same for an edited material: program, recipe, and what it was applied to.
 std::string make_edit_provenance(const std::string& file, const std::string& provenance,
                                  const std::string& recipe_file, const Document& recipe);
+
+// The same for transport: program, parameters, and the scene's file name.
+std::string make_transport_provenance(const std::string& scene_file,
+                                      const PrecomputeParams& params);
 
 }  // namespace parian

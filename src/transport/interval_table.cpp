@@ -1,4 +1,4 @@
-#include "transport/basis_table.h"
+#include "transport/interval_table.h"
 
 #include <fmt/format.h>
 
@@ -32,9 +32,9 @@ constexpr double most_bins = 65536;
 
 }  // namespace
 
-BasisTable make_basis_table(const SplineBasis& basis) {
+IntervalTable make_interval_table(const SplineBasis& basis) {
   PARIAN_CHECK_EQ(basis.knots.front(), 0.0);
-  BasisTable table;
+  IntervalTable table;
   table.degree = basis.degree;
   table.functions = basis.size();
   table.reach = static_cast<float>(basis.knots.back());

@@ -12,7 +12,7 @@ namespace parian {
 
 // Functions k .. k + degree are not 0 in interval k; there function k + i is
 // c[i][0] + t (c[i][1] + t c[i][2]), t from 0 to 1 over the interval.
-struct BasisTable {
+struct IntervalTable {
   int degree = 1;
   std::size_t functions = 0;
   float reach = 0;  // the last knot
@@ -22,6 +22,6 @@ struct BasisTable {
   std::vector<std::array<std::array<float, 3>, 3>> c;
 };
 // Throws Error for more than 2^16 bins: knots closer than reach / 2^16.
-BasisTable make_basis_table(const SplineBasis& basis);
+IntervalTable make_interval_table(const SplineBasis& basis);
 
 }  // namespace parian
