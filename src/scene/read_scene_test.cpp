@@ -205,9 +205,9 @@ TEST(ReadScene, HomogeneousMaterials) {
       "s.json: /material: expected one of the keys 'file', 'named', 'sigma_a', 'sigma_s_prime' "
       "or 'sigma_s', found none of them");
   EXPECT_EQ(error(object({{"sigma_a", 1}, {"sigma_s", 1}, {"g", 1}})),
-            "s.json: /material/g: expected a number in [-0.99, 0.99], found 1");
+            "s.json: /material/g: expected a number in [-0.99, 0.99], found the number 1");
   EXPECT_EQ(error(object({{"sigma_a", 1}, {"sigma_s", 1}, {"sigma_s_prime", 1}})),
-            "s.json: /material/sigma_s_prime: expected only one of the keys 'sigma_s_prime' or "
+            "s.json: /material/sigma_s: expected only one of the keys 'sigma_s_prime' or "
             "'sigma_s', found another");
   EXPECT_EQ(error(object({{"file", "m.h5"}, {"single_scattering", true}})),
             "s.json: /material/single_scattering: expected the key 'single_scattering' only beside "

@@ -42,6 +42,7 @@ void fuzz_recipe(Case& c);
 void mutate_document(Case& c, Document& document);
 void fuzz_table(Case& c);
 void fuzz_map(Case& c);
+void fuzz_transport(Case& c);
 void fuzz_image(Case& c);
 void fuzz_mesh(Case& c);
 void fuzz_blend(Case& c);

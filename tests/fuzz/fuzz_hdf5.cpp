@@ -11,6 +11,7 @@
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
 #include "io/hdf5/testing_internal.h"
+#include "io/hdf5/transport_file.h"
 
 namespace parian::fuzz {
 namespace {
@@ -42,10 +43,12 @@ std::vector<double> odd_data(Case& c, std::size_t count) {
   return data;
 }
 
-void mutate_attribute(Case& c, hdf5::TestFile& file) {
-  const auto name = c.pick<std::string>({"format", "version", "pixel_pitch_mm", "boundary", "eta",
-                                         "symmetric", "sampling", "noise_floor", "noise_gain",
-                                         "provenance", "hold_out_fraction", "hold_out_seed"});
+void mutate_attribute(Case& c, hdf5::TestFile& file,
+                      std::initializer_list<std::string> names = {
+                          "format", "version", "pixel_pitch_mm", "boundary", "eta", "symmetric",
+                          "sampling", "noise_floor", "noise_gain", "provenance",
+                          "hold_out_fraction", "hold_out_seed"}) {
+  const auto name = c.pick<std::string>(names);
   const std::size_t kind = c.below(6);
   c.note(fmt::format("attribute {} kind {}", name, kind));
   if (kind == 0) return file.remove_attribute(name.c_str());
@@ -151,6 +154,46 @@ void fuzz_map(Case& c) {
   }
   truncate_file(c, path);
   check(load_profile_map(path), path);
+}
+
+void fuzz_transport(Case& c) {
+  const std::string path = c.at("transport.h5");
+  const std::vector<double> knots{0, 1, 4};
+  const std::vector<float> values(5 * 3 * 12, 0.5f);
+  {
+    const hdf5::Guard guard;
+    hdf5::TestFile file(path);
+    file.set("format", std::string("parian-transport"));
+    file.set("version", 1);
+    file.set("eta", 1.3);
+    for (const char* name :
+         {"mesh_hash", "parameter_hash", "lights", "lights_done", "light_hash_1"}) {
+      const std::uint64_t one = 1;
+      file.set(name, H5T_NATIVE_UINT64, &one);
+    }
+    const std::uint64_t places = 5;
+    file.set("places", H5T_NATIVE_UINT64, &places);
+    file.put("multiple_knots_mm", H5T_NATIVE_DOUBLE, {3}, H5T_NATIVE_DOUBLE, knots.data());
+    file.put("single_knots_mm", H5T_NATIVE_DOUBLE, {3}, H5T_NATIVE_DOUBLE, knots.data());
+    file.put("multiple_1", H5T_NATIVE_FLOAT, {5, 3, 3}, H5T_NATIVE_FLOAT, values.data());
+    file.put("multiple_1_scale", H5T_NATIVE_FLOAT, {3}, H5T_NATIVE_FLOAT, values.data());
+    file.put("single_1", H5T_NATIVE_FLOAT, {5, 3, 12}, H5T_NATIVE_FLOAT, values.data());
+    file.put("single_1_scale", H5T_NATIVE_FLOAT, {3}, H5T_NATIVE_FLOAT, values.data());
+    for (std::size_t edits = c.below(3); edits > 0; --edits)
+      mutate_attribute(c, file,
+                       {"format", "version", "eta", "knots", "degree", "places", "mesh_hash",
+                        "lights", "lights_done", "light_hash_1", "light_1", "provenance"});
+    for (std::size_t edits = c.below(3); edits > 0; --edits)
+      mutate_dataset(c, file,
+                     {"multiple_knots_mm", "single_knots_mm", "multiple_1", "multiple_1_scale",
+                      "single_1", "single_1_scale"},
+                     {{3}, {3}, {5, 3, 3}, {3}, {5, 3, 12}, {3}});
+  }
+  truncate_file(c, path);
+  const TransportFile read = load_transport(path);
+  for (const LightTransport& light : read.transport.lights)
+    if (light.multiple.places != read.transport.places)
+      throw std::logic_error("transport of other places was accepted");
 }
 
 }  // namespace parian::fuzz

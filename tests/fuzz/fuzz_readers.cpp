@@ -89,9 +89,11 @@ int main(int argc, char** argv) {
   std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   std::printf("fuzz_readers: %g s from seed %llu; HDF5's own metadata is left alone\n", seconds,
               static_cast<unsigned long long>(seed));
-  std::vector<Kind> kinds{{"json", fuzz_json},   {"params", fuzz_params}, {"sample", fuzz_sample},
-                          {"table", fuzz_table}, {"map", fuzz_map},       {"image", fuzz_image},
-                          {"mesh", fuzz_mesh},   {"blend", fuzz_blend},   {"recipe", fuzz_recipe}};
+  std::vector<Kind> kinds{{"json", fuzz_json},     {"params", fuzz_params},
+                          {"sample", fuzz_sample}, {"table", fuzz_table},
+                          {"map", fuzz_map},       {"transport", fuzz_transport},
+                          {"image", fuzz_image},   {"mesh", fuzz_mesh},
+                          {"blend", fuzz_blend},   {"recipe", fuzz_recipe}};
   const hdf5::TestFolder folder("fuzz");
   const std::string last_name = folder.path.string() + ".seed";
   const int last_case = ::open(last_name.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -109,6 +111,6 @@ int main(int argc, char** argv) {
   ::close(last_case);
   ::unlink(last_name.c_str());
   for (const Kind& kind : kinds)
-    std::printf("%-8s %8ld cases, %8ld refused\n", kind.name, kind.cases, kind.refused);
+    std::printf("%-9s %8ld cases, %8ld refused\n", kind.name, kind.cases, kind.refused);
   return good ? 0 : 1;
 }

@@ -15,6 +15,7 @@
 #include "io/blend/blend_file.h"
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
+#include "io/hdf5/transport_file.h"
 #include "io/image/image_file.h"
 #include "io/json/json.h"
 #include "io/mesh/mesh_file.h"
@@ -274,6 +275,28 @@ Document describe_scene(const std::string& path) {
   return figures;
 }
 
+Document describe_transport(const std::string& path) {
+  const TransportFile file = load_transport(path);
+  const HomogeneousTransport& transport = file.transport;
+  Document::Array names;
+  for (const LightTransport& light : transport.lights) names.emplace_back(light.name);
+  return Document::Object{
+      {"file", path},
+      {"kind", "transport"},
+      {"vertices", transport.places},
+      {"eta", transport.eta},
+      {"degree", transport.multiple_basis.degree},
+      {"knots", transport.knots == KnotChoice::published ? "published" : "balanced"},
+      {"multiple_functions", transport.multiple_basis.size()},
+      {"multiple_reach_mm", transport.multiple_basis.knots.back()},
+      {"single_functions", transport.single_basis.size()},
+      {"single_reach_mm", transport.single_basis.knots.back()},
+      {"lights", std::move(names)},
+      {"complete", file.is_complete()},
+      {"bytes", transport_bytes(transport)},
+      {"provenance", read_provenance(file.provenance)}};
+}
+
 // Scenes and samples are both JSON: a scene has a mesh.
 Document describe_json(const std::string& path) {
   const Document document = load_document(path);
@@ -288,6 +311,8 @@ Document describe_file(const std::string& path, const Context& context) {
       return describe_map(path);
     case FileKind::blend:
       return describe_blend(path);
+    case FileKind::transport:
+      return describe_transport(path);
     case FileKind::image:
       return describe_image(path);
     case FileKind::mesh:
@@ -327,7 +352,8 @@ CommandSpec make_info_command() {
   command.summary = "say what a file is: sizes, statistics, provenance";
   command.example = "parian info stone.h5";
   command.positionals = {
-      {"FILE", "table, profile map, blend, image, mesh, or description of a sample or scene",
+      {"FILE",
+       "table, profile map, blend, transport, image, mesh, or description of a sample or scene",
        file.get()}};
   command.has_figures = true;
   command.run = [file](const Context& context) {

@@ -37,9 +37,10 @@ SurfaceMaterial load_material(const std::string& path) {
   if (kind == FileKind::map) return Material(load_profile_map(path));
   if (kind == FileKind::blend) return Material(load_blend(path));
   if (kind == FileKind::table || kind == FileKind::other) return load_table(path);
-  const char* found = kind == FileKind::image  ? "an image"
-                      : kind == FileKind::mesh ? "a mesh"
-                                               : "a JSON file";
+  const char* found = kind == FileKind::image       ? "an image"
+                      : kind == FileKind::mesh      ? "a mesh"
+                      : kind == FileKind::transport ? "transport"
+                                                    : "a JSON file";
   throw Error({path, {}, "a profile map, a blend or a table", found});
 }
 
@@ -50,6 +51,7 @@ FileKind find_file_kind(const std::string& path) {
   const std::string format = read_format(path);
   if (format == "parian-bssrdf-table") return FileKind::table;
   if (format == "parian-profile-map") return FileKind::map;
+  if (format == "parian-transport") return FileKind::transport;
   std::string extension = std::filesystem::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

@@ -11,7 +11,7 @@
 
 namespace parian {
 
-enum class FileKind { table, map, blend, image, mesh, json, other };
+enum class FileKind { table, map, blend, transport, image, mesh, json, other };
 
 // By the HDF5 attribute "format", then by the name's extension.
 FileKind find_file_kind(const std::string& path);
