@@ -175,11 +175,13 @@ void add_single_scattering(const GatherWork& work, const RayTracer& tracer, cons
 }
 
 // Of a scene of one homogeneous material that asks for it.
-const Dipole* find_single_scattering(const Scene& scene) {
+const Dipole* find_single_scattering(const Scene& scene, RenderReport& report) {
   const auto* material = std::get_if<Material>(&scene.material);
   const auto* dipole = material != nullptr ? std::get_if<Dipole>(material) : nullptr;
-  const bool has = dipole != nullptr && dipole->single_scattering && scene.layers.empty();
-  return has ? dipole : nullptr;
+  if (dipole == nullptr || !dipole->single_scattering) return nullptr;
+  if (scene.layers.empty()) return dipole;
+  report.warnings.emplace_back("single scattering is left out under layers");
+  return nullptr;
 }
 
 }  // namespace
@@ -222,7 +224,7 @@ std::vector<Rgb> compute_exitance(const Scene& scene, const RayTracer& tracer,
   if (const auto* table = std::get_if<BssrdfTable>(&scene.material))
     return gather(work, *table, std::move(flux));
   std::vector<Rgb> exitance = gather(work, std::get<Material>(scene.material), std::move(flux));
-  if (const Dipole* dipole = find_single_scattering(scene))
+  if (const Dipole* dipole = find_single_scattering(scene, report))
     add_single_scattering(work, tracer, *dipole, exitance);
   return exitance;
 }

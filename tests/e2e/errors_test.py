@@ -12,8 +12,8 @@ import program
 
 class Usage(program.ProgramTest):
     def test_help_shows_an_example(self):
-        commands = ("simulate", "fit", "edit", "reconstruct", "compare", "relight", "render", "info",
-                    "demo")
+        commands = ("simulate", "fit", "edit", "reconstruct", "compare", "relight", "precompute",
+                    "render", "info", "demo")
         overview = self.succeed("--help")
         for command in commands:
             self.assertIn(command, overview)
@@ -32,7 +32,7 @@ class Usage(program.ProgramTest):
 
     def test_unknown_names_get_the_nearest(self):
         self.fail_with(2, "expected a command: 'simulate', 'fit', 'compress', 'edit', 'reconstruct', "
-                       "'compare', 'relight', 'render', 'info' or 'demo', found 'rlight' (did you mean 'relight'?)",
+                       "'compare', 'relight', 'precompute', 'render', 'info' or 'demo', found 'rlight' (did you mean 'relight'?)",
                        "rlight", "x")
         self.fail_with(2, "expected a flag of 'parian fit', found '--segmants' "
                        "(did you mean '--segments'?)", "fit", "t.h5", "-o", "m.h5", "--segmants", "3")

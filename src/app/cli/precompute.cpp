@@ -125,7 +125,7 @@ CommandSpec make_precompute_command() {
   CommandSpec command;
   command.name = "precompute";
   command.summary = "prepare a scene for live edits of a homogeneous material";
-  command.example = "parian precompute examples/scenes/dragon-marble.json -o dragon.h5";
+  command.example = "parian precompute examples/scenes/knot-live.json -o knot.h5";
   command.positionals = {{"SCENE.json", "scene description", &options->scene}};
   command.flags = {{.name = "output",
                     .letter = 'o',

@@ -101,9 +101,10 @@ std::string frame_name(const std::string& pattern, std::size_t frame) {
 Image make_contact_sheet(const std::vector<Image>& pictures) {
   PARIAN_CHECK(!pictures.empty());
   const Image& one = pictures.front();
-  const auto columns =
-      static_cast<int>(std::ceil(std::sqrt(static_cast<double>(pictures.size()) * 0.75)));
-  const int rows = (static_cast<int>(pictures.size()) + columns - 1) / columns;
+  const int count = static_cast<int>(pictures.size());
+  const int columns = std::min(
+      count, std::max(3, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))))));
+  const int rows = (count + columns - 1) / columns;
   Image sheet = make_image(columns * one.width, rows * one.height, one.channels);
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const int left = static_cast<int>(i) % columns * one.width,

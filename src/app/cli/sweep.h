@@ -22,7 +22,7 @@ Dipole set_coefficient(Dipole material, const std::string& name, double value);
 // "frame-##.png", 7 of 30 -> "frame-07.png"; without '#' the name itself.
 std::string frame_name(const std::string& pattern, std::size_t frame);
 
-// Pictures of one size side by side, row by row, as nearly square as they go.
+// Pictures of one size side by side, row by row, at least three to a row.
 Image make_contact_sheet(const std::vector<Image>& pictures);
 
 }  // namespace parian
