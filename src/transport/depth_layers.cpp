@@ -11,10 +11,15 @@ namespace parian {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr std::uint32_t none = 0xffffffffu;
 // Steeper entries are followed no further within a texel: they transmit little.
 constexpr float max_slope = 8;
 // Texel centres this close to an edge belong to both of its triangles: no gaps.
 constexpr float edge_tolerance = 1e-3f;
+
+std::size_t texels_of(const DepthLayers& layers) {
+  return static_cast<std::size_t>(layers.width) * static_cast<std::size_t>(layers.height);
+}
 
 // A triangle in the map's space: places in texels, depth as a plane, weights of its corners.
 struct Projected {
@@ -47,29 +52,44 @@ Span find_span(float a, float b, float c, int size) {
           std::min(size - 1, static_cast<int>(std::floor(high - 0.5f)))};
 }
 
+// >= 0 to the left of the line from p to q, and edge_tolerance to its right; x and y are texels
+// from `origin`.
+struct Edge {
+  float x = 0, y = 0, start = 0;
+};
+Edge make_edge(Vec3 p, Vec3 q, Vec2 origin) {
+  const float dx = q.x - p.x, dy = q.y - p.y;
+  return {-dy, dx,
+          dx * (origin.y - p.y) - dy * (origin.x - p.x) +
+              edge_tolerance * (std::abs(dx) + std::abs(dy))};
+}
+
 // Calls body(texel, depth) at each texel whose centre the triangle covers.
 template <typename Body>
 void cover(const DepthLayers& layers, const Projected& t, const Body& body) {
-  const Vec3 *a = &t.corner[0], *b = &t.corner[1], *c = &t.corner[2];
-  if (t.area < 0) std::swap(b, c);
-  const Span columns = find_span(a->x, b->x, c->x, layers.width),
-             rows = find_span(a->y, b->y, c->y, layers.height);
+  const Vec3 a = t.corner[0], b = t.corner[t.area < 0 ? 2 : 1], c = t.corner[t.area < 0 ? 1 : 2];
+  const Span columns = find_span(a.x, b.x, c.x, layers.width),
+             rows = find_span(a.y, b.y, c.y, layers.height);
   if (columns.first > columns.last || rows.first > rows.last) return;
-  const Vec2 slope = slope_of(t);
-  const auto edge = [](const Vec3& p, const Vec3& q, float x, float y) {
-    const float dx = q.x - p.x, dy = q.y - p.y;
-    return dx * (y - p.y) - dy * (x - p.x) + edge_tolerance * (std::abs(dx) + std::abs(dy));
-  };
-  const float nearest = std::min({a->z, b->z, c->z}), farthest = std::max({a->z, b->z, c->z});
-  for (int row = rows.first; row <= rows.last; ++row) {
-    const float y = static_cast<float>(row) + 0.5f;
-    for (int column = columns.first; column <= columns.last; ++column) {
-      const float x = static_cast<float>(column) + 0.5f;
-      if (edge(*a, *b, x, y) < 0 || edge(*b, *c, x, y) < 0 || edge(*c, *a, x, y) < 0) continue;
-      const float depth = a->z + slope.x * (x - a->x) + slope.y * (y - a->y);
-      body(static_cast<std::size_t>(row) * static_cast<std::size_t>(layers.width) +
-               static_cast<std::size_t>(column),
-           std::clamp(depth, nearest, farthest));
+  const Vec2 slope = slope_of(t), origin{static_cast<float>(columns.first) + 0.5f,
+                                         static_cast<float>(rows.first) + 0.5f};
+  const Edge ab = make_edge(a, b, origin), bc = make_edge(b, c, origin),
+             ca = make_edge(c, a, origin);
+  const float start = a.z + slope.x * (origin.x - a.x) + slope.y * (origin.y - a.y);
+  const float nearest = std::min({a.z, b.z, c.z}), farthest = std::max({a.z, b.z, c.z});
+  const int width = columns.last - columns.first, height = rows.last - rows.first;
+  std::size_t row = static_cast<std::size_t>(rows.first) * static_cast<std::size_t>(layers.width) +
+                    static_cast<std::size_t>(columns.first);
+  for (int j = 0; j <= height; ++j, row += static_cast<std::size_t>(layers.width)) {
+    const auto y = static_cast<float>(j);
+    const float first = ab.start + ab.y * y, second = bc.start + bc.y * y,
+                third = ca.start + ca.y * y, depth = start + slope.y * y;
+    for (int i = 0; i <= width; ++i) {
+      const auto x = static_cast<float>(i);
+      const float inside =
+          std::min(std::min(first + ab.x * x, second + bc.x * x), third + ca.x * x);
+      if (inside < 0) continue;
+      body(row + static_cast<std::size_t>(i), std::clamp(depth + slope.x * x, nearest, farthest));
     }
   }
 }
@@ -89,9 +109,6 @@ DepthLayers make_empty(const TriangleMesh& mesh, Vec3 direction, int resolution)
   layers.axis_y = frame.bitangent * scale;
   layers.axis_z = -direction;
   layers.offset = {1 - box.lower.x * scale, 1 - box.lower.y * scale, box.upper.z};
-  const auto texels =
-      static_cast<std::size_t>(layers.width) * static_cast<std::size_t>(layers.height);
-  layers.texels.assign(texels, {});
   return layers;
 }
 
@@ -108,18 +125,75 @@ Vec3 normal_at(const TriangleMesh& mesh, const Projected& t, std::uint32_t trian
                    mesh.normals[corners[1]] * u + mesh.normals[corners[2]] * v);
 }
 
-void shade_texel(const TriangleMesh& mesh, const std::vector<Vec3>& places, std::uint32_t triangle,
-                 Vec3 direction, float eta, float x, float y, DepthTexel& texel) {
-  const Projected t = project(mesh, places, triangle);
+// Nearest to the light; of those that look away from it the depth alone.
+struct FirstSurface {
+  std::vector<float> depth;
+  std::vector<std::uint32_t> triangle;
+};
+FirstSurface find_first_surface(const TriangleMesh& mesh, const std::vector<Vec3>& places,
+                                const DepthLayers& layers) {
+  FirstSurface first{std::vector<float>(texels_of(layers), infinity),
+                     std::vector<std::uint32_t>(texels_of(layers), none)};
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Projected t = project(mesh, places, i);
+    if (t.area == 0) continue;
+    const std::uint32_t name = t.area > 0 ? static_cast<std::uint32_t>(i) : none;
+    cover(layers, t, [&](std::size_t texel, float depth) {
+      if (!(depth < first.depth[texel])) return;
+      first.depth[texel] = depth;
+      first.triangle[texel] = name;
+    });
+  }
+  return first;
+}
+
+// The nearest back face behind the first surface.
+std::vector<float> find_exits(const TriangleMesh& mesh, const std::vector<Vec3>& places,
+                              const DepthLayers& layers, const FirstSurface& first) {
+  std::vector<float> exits(texels_of(layers), infinity);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Projected t = project(mesh, places, i);
+    if (!(t.area < 0)) continue;
+    cover(layers, t, [&](std::size_t texel, float depth) {
+      if (depth > first.depth[texel] && depth < exits[texel]) exits[texel] = depth;
+    });
+  }
+  return exits;
+}
+
+struct Texel {
+  int column = 0, row = 0;
+};
+std::size_t index_of(const DepthLayers& layers, Texel texel) {
+  return static_cast<std::size_t>(texel.row) * static_cast<std::size_t>(layers.width) +
+         static_cast<std::size_t>(texel.column);
+}
+
+// Whose surface a texel shows: its own, or where its centre lies outside the outline that of a
+// neighbour, for some of the object may lie within the texel.
+Texel find_shown(const DepthLayers& layers, const FirstSurface& first, Texel texel) {
+  if (first.depth[index_of(layers, texel)] < infinity) return texel;
+  for (const Texel step : {Texel{-1, 0}, Texel{1, 0}, Texel{0, -1}, Texel{0, 1}}) {
+    const Texel other{texel.column + step.column, texel.row + step.row};
+    if (other.column >= 0 && other.row >= 0 && other.column < layers.width &&
+        other.row < layers.height && first.triangle[index_of(layers, other)] != none)
+      return other;
+  }
+  return texel;
+}
+
+// All of an entry but its depths.
+DepthTexel shade(const TriangleMesh& mesh, const Projected& t, std::uint32_t triangle, Texel texel,
+                 Vec3 direction, float eta, float steepest) {
+  const Vec3 normal = normal_at(mesh, t, triangle, static_cast<float>(texel.column) + 0.5f,
+                                static_cast<float>(texel.row) + 0.5f);
+  const Refraction light = refract_entry(normal, direction, eta);
+  const Vec3 flux = light.direction * light.transmission;
   const Vec2 slope = slope_of(t);
-  const Refraction refraction = refract_entry(normal_at(mesh, t, triangle, x, y), direction, eta);
-  texel.slope_x = slope.x;
-  texel.slope_y = slope.y;
-  texel.length_ratio = refraction.length_ratio;
-  const Vec3 flux = refraction.direction * refraction.transmission;
-  texel.flux[0] = flux.x;
-  texel.flux[1] = flux.y;
-  texel.flux[2] = flux.z;
+  return {.slope_x = std::clamp(slope.x, -steepest, steepest),
+          .slope_y = std::clamp(slope.y, -steepest, steepest),
+          .length_ratio = light.length_ratio,
+          .flux = {flux.x, flux.y, flux.z}};
 }
 
 }  // namespace
@@ -141,39 +215,24 @@ DepthLayers make_depth_layers(const TriangleMesh& mesh, Vec3 direction, int reso
   for (const Vec3& p : mesh.positions)
     places.push_back(Vec3{dot(layers.axis_x, p), dot(layers.axis_y, p), dot(layers.axis_z, p)} +
                      layers.offset);
-  constexpr std::uint32_t none = 0xffffffffu;
-  std::vector<std::uint32_t> nearest(layers.texels.size(), none);
-  for (DepthTexel& texel : layers.texels) texel.entry = texel.exit = infinity;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Projected t = project(mesh, places, i);
-    if (t.area == 0) continue;
-    cover(layers, t, [&](std::size_t texel, float depth) {
-      if (!(depth < layers.texels[texel].entry)) return;
-      layers.texels[texel].entry = depth;
-      nearest[texel] = t.area > 0 ? static_cast<std::uint32_t>(i) : none;
-    });
-  }
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Projected t = project(mesh, places, i);
-    if (!(t.area < 0)) continue;
-    cover(layers, t, [&](std::size_t texel, float depth) {
-      DepthTexel& at = layers.texels[texel];
-      if (depth > at.entry && depth < at.exit) at.exit = depth;
-    });
-  }
-  std::size_t i = 0;
-  for (int row = 0; row < layers.height; ++row)
-    for (int column = 0; column < layers.width; ++column, ++i) {
-      DepthTexel& texel = layers.texels[i];
-      if (nearest[i] == none) {
-        texel = {.entry = 0, .exit = -infinity};
+  const FirstSurface first = find_first_surface(mesh, places, layers);
+  const std::vector<float> exits = find_exits(mesh, places, layers, first);
+  layers.texels.reserve(exits.size());
+  for (Texel texel; texel.row < layers.height; ++texel.row)
+    for (texel.column = 0; texel.column < layers.width; ++texel.column) {
+      const Texel shown = find_shown(layers, first, texel);
+      const std::size_t i = index_of(layers, shown);
+      if (first.triangle[i] == none) {
+        layers.texels.push_back({.exit = -infinity});
         continue;
       }
-      shade_texel(mesh, places, nearest[i], direction, eta, static_cast<float>(column) + 0.5f,
-                  static_cast<float>(row) + 0.5f, texel);
-      const float limit = max_slope * layers.texel_mm;
-      texel.slope_x = std::clamp(texel.slope_x, -limit, limit);
-      texel.slope_y = std::clamp(texel.slope_y, -limit, limit);
+      DepthTexel entry = shade(mesh, project(mesh, places, first.triangle[i]), first.triangle[i],
+                               shown, direction, eta, max_slope * layers.texel_mm);
+      entry.entry = first.depth[i] +
+                    entry.slope_x * static_cast<float>(texel.column - shown.column) +
+                    entry.slope_y * static_cast<float>(texel.row - shown.row);
+      entry.exit = exits[i];
+      layers.texels.push_back(entry);
     }
   return layers;
 }

@@ -12,7 +12,8 @@
 namespace parian {
 
 // The part of the surface that the light meets at a texel's centre. Depths grow away from the
-// light, in mm. No entry: exit = -infinity; no exit: +infinity.
+// light, in mm. No entry: exit = -infinity; no exit: +infinity. A texel just outside the outline
+// shows what a neighbour does, its entry continued.
 struct alignas(32) DepthTexel {
   float entry = 0;
   float slope_x = 0, slope_y = 0;  // of the entry: mm per texel

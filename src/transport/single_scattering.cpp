@@ -12,11 +12,8 @@
 #include "base/check.h"
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/random.h"
-#include "scene/environment.h"
 #include "transport/depth_layers.h"
 #include "transport/single_scattering_kernels.h"
-#include "transport/sobol_internal.h"
 
 namespace parian {
 namespace {
@@ -24,44 +21,7 @@ namespace {
 constexpr std::size_t points_per_block = 64;
 constexpr std::size_t directions_per_step = 8;     // with depth maps, which are kept together
 constexpr std::size_t point_light_places = 16384;  // per step
-constexpr int max_skipped_entries = 16;
 constexpr float bias_texels = 1.5f;
-
-// Of the surface where a ray from inside meets it; none where it comes from outside.
-std::optional<Vec3> normal_of(const TriangleMesh& mesh, const Hit& hit) {
-  if (!hit.from_inside) return std::nullopt;
-  const auto& corners = mesh.triangles[hit.triangle];
-  const Vec2 b = hit.barycentric;
-  return normalize(mesh.normals[corners[0]] * (1 - b.x - b.y) + mesh.normals[corners[1]] * b.x +
-                   mesh.normals[corners[2]] * b.y);
-}
-
-Vec3 face_normal(const TriangleMesh& mesh, std::uint32_t triangle) {
-  const auto& corners = mesh.triangles[triangle];
-  const Vec3 a = mesh.positions[corners[0]];
-  return normalize(cross(mesh.positions[corners[1]] - a, mesh.positions[corners[2]] - a));
-}
-
-// What a ray towards the light passes: the entry, and from there nothing up to `reach` from inside.
-LightEntry trace_entry(Vec3 inside, Vec3 direction, float reach, const TriangleMesh& mesh,
-                       const RayTracer& tracer, float eta) {
-  const auto hit = tracer.intersect({.origin = inside, .direction = direction, .t_max = reach});
-  if (!hit) return {};
-  const auto normal = normal_of(mesh, *hit);
-  if (!normal) return {};
-  const Refraction refraction = refract_entry(*normal, direction, eta);
-  if (!(refraction.transmission > 0)) return {};
-  const Vec3 outside =
-      inside + direction * hit->t + face_normal(mesh, hit->triangle) * tracer.epsilon_mm();
-  const float left = reach - hit->t;
-  if (tracer.is_occluded({.origin = outside, .direction = direction, .t_max = left})) return {};
-  const float t = refraction.transmission;
-  return {.direction = refraction.direction,
-          .light = {t, t, t},
-          .length_mm = static_cast<double>(hit->t) * static_cast<double>(refraction.length_ratio),
-          .distance_mm = hit->t,
-          .reached = true};
-}
 
 std::uint32_t spread_bits(std::uint32_t v) {  // of 10, to every third
   v = (v | (v << 16u)) & 0x030000ffu;
@@ -121,76 +81,6 @@ ParamList describe(SingleScatteringParams& params) {
           {.name = "seed", .help = "of the environment's directions", .target = &params.seed}};
 }
 
-void make_path_nodes(double length_mm, int count, double scale_mm, float* s, float* weight) {
-  const double reach = std::log1p(length_mm / scale_mm), width = 2 * reach / count;
-  const double offset = std::sqrt(1.0 / 3);
-  for (int i = 0; i < count; ++i) {
-    const double u = width * (i / 2 + 0.5 * (1 + (i % 2 == 0 ? -offset : offset)));
-    const double grown = std::exp(u);
-    s[i] = static_cast<float>(scale_mm * (grown - 1));
-    weight[i] = static_cast<float>(scale_mm * grown * width / 2);
-  }
-}
-
-double find_path_length(const SurfacePoint& point, Vec3 direction, const Bounds3& box,
-                        const RayTracer& tracer) {
-  Ray ray{.origin = point.position, .direction = direction, .t_min = tracer.epsilon_mm()};
-  for (int i = 0; i < max_skipped_entries; ++i) {
-    const auto hit = tracer.intersect(ray);
-    if (!hit) break;
-    if (hit->from_inside) return static_cast<double>(hit->t);
-    ray.t_min = hit->t + tracer.epsilon_mm();
-  }
-  double length = static_cast<double>(diagonal(box));
-  for (int axis = 0; axis < 3; ++axis) {
-    const double along = static_cast<double>(component(direction, axis));
-    const double to_end = static_cast<double>(component(along > 0 ? box.upper : box.lower, axis)) -
-                          static_cast<double>(component(point.position, axis));
-    if (along != 0) length = std::min(length, std::max(0.0, to_end / along));
-  }
-  return length;
-}
-
-std::vector<LightDirection> make_light_directions(const Light& light, int count,
-                                                  std::uint64_t seed) {
-  if (const auto* sun = std::get_if<DirectionalLight>(&light))
-    return {{sun->direction, sun->irradiance}};
-  const auto* environment = std::get_if<EnvironmentLight>(&light);
-  if (environment == nullptr) return {};
-  const EnvironmentSampler sampler = make_environment_sampler(*environment);
-  std::vector<LightDirection> directions;
-  if (!(sampler.density > 0)) return directions;
-  directions.reserve(static_cast<std::size_t>(count));
-  const SobolScramble shuffle = make_scramble(hash_u64(seed, 0x51));
-  for (const SobolPoint& place : make_sobol_points(count)) {
-    const DirectionSample drawn = sample_environment(sampler, scramble(place, shuffle));
-    if (!(drawn.pdf > 0)) continue;
-    const float share = 1 / (drawn.pdf * static_cast<float>(count));
-    directions.push_back({drawn.direction, eval_environment_at(*environment, drawn.uv) * share});
-  }
-  return directions;
-}
-
-LightEntry find_entry(Vec3 inside, const LightDirection& light, const TriangleMesh& mesh,
-                      const RayTracer& tracer, float eta) {
-  LightEntry entry = trace_entry(inside, light.direction, std::numeric_limits<float>::infinity(),
-                                 mesh, tracer, eta);
-  entry.light = entry.light * light.weight;
-  return entry;
-}
-
-LightEntry find_entry(Vec3 inside, const PointLight& light, const TriangleMesh& mesh,
-                      const RayTracer& tracer, float eta) {
-  const float reach = distance(inside, light.position);
-  if (!(reach > 0)) return {};
-  LightEntry entry =
-      trace_entry(inside, (light.position - inside) / reach, reach, mesh, tracer, eta);
-  const float left = reach - entry.distance_mm;
-  if (!(left > 0)) return {};
-  entry.light = entry.light * light.intensity * (1 / left / left);
-  return entry;
-}
-
 struct SingleTransportState::Impl {
   SingleScatteringParams params;
   const TriangleMesh* mesh = nullptr;
@@ -213,6 +103,8 @@ struct SingleTransportState::Impl {
   void set_places(const std::vector<SurfacePoint>& points);
   void advance_lamp();
   void advance_directions();
+  void look_up(std::size_t place, const DepthLayers& map, const float* s, LitPath& lit) const;
+  void trace(std::size_t place, Vec3 direction, const float* s, LitPath& lit) const;
   template <typename Body>
   void for_places(std::size_t first, std::size_t count, const Body& body);
 };
@@ -272,6 +164,30 @@ void SingleTransportState::Impl::advance_lamp() {
   });
 }
 
+void SingleTransportState::Impl::look_up(std::size_t place, const DepthLayers& map, const float* s,
+                                         LitPath& lit) const {
+  const Vec3 p = positions[place], n = inward[place];
+  const MapPath path{.x = dot(map.axis_x, p) + map.offset.x,
+                     .y = dot(map.axis_y, p) + map.offset.y,
+                     .z = dot(map.axis_z, p) + map.offset.z,
+                     .dx = dot(map.axis_x, n),
+                     .dy = dot(map.axis_y, n),
+                     .dz = dot(map.axis_z, n)};
+  look_up_path(map.texels.data(), map.width, map.height, bias_texels * map.texel_mm, path, s,
+               s + nodes, nodes, &lit);
+}
+
+void SingleTransportState::Impl::trace(std::size_t place, Vec3 direction, const float* s,
+                                       LitPath& lit) const {
+  const LightDirection white{.direction = direction, .weight = {1, 1, 1}};
+  lit.count = 0;
+  for (std::size_t k = 0; k < nodes; ++k) {
+    const LightEntry entry =
+        find_entry(positions[place] + inward[place] * s[k], white, *mesh, *tracer, eta);
+    if (entry.reached) append_point(entry, s[k], s[nodes + k], lit);
+  }
+}
+
 void SingleTransportState::Impl::advance_directions() {
   const std::size_t first = step * batch(), count = std::min(batch(), directions.size() - first);
   const bool by_rays = params.method == EntryMethod::rays;
@@ -280,27 +196,6 @@ void SingleTransportState::Impl::advance_directions() {
     maps[d] = make_depth_layers(*mesh, directions[first + d].direction, params.resolution, eta);
   });
   const BasisView basis = view_of(table);
-  const auto look_up = [&](std::size_t place, std::size_t d, const float* s, LitPath& lit) {
-    const DepthLayers& map = maps[d];
-    const Vec3 p = positions[place], n = inward[place];
-    const MapPath path{dot(map.axis_x, p) + map.offset.x,
-                       dot(map.axis_y, p) + map.offset.y,
-                       dot(map.axis_z, p) + map.offset.z,
-                       dot(map.axis_x, n),
-                       dot(map.axis_y, n),
-                       dot(map.axis_z, n)};
-    look_up_path(map.texels.data(), map.width, map.height, bias_texels * map.texel_mm, path, s,
-                 s + nodes, nodes, &lit);
-  };
-  const auto trace = [&](std::size_t place, std::size_t d, const float* s, LitPath& lit) {
-    lit.count = 0;
-    const LightDirection white{directions[first + d].direction, {1, 1, 1}};
-    for (std::size_t k = 0; k < nodes; ++k) {
-      const LightEntry entry =
-          find_entry(positions[place] + inward[place] * s[k], white, *mesh, *tracer, eta);
-      if (entry.reached) append_point(entry, s[k], s[nodes + k], lit);
-    }
-  };
   for_places(0, positions.size(),
              [&](std::size_t begin, std::size_t end, const float* paths, float* sums) {
                LitPath lit;
@@ -310,9 +205,9 @@ void SingleTransportState::Impl::advance_directions() {
                  for (std::size_t i = begin; i < end; ++i) {
                    const float* s = paths + (i - begin) * 2 * nodes;
                    if (by_rays)
-                     trace(i, d, s, lit);
+                     trace(i, directions[first + d].direction, s, lit);
                    else
-                     look_up(i, d, s, lit);
+                     look_up(i, maps[d], s, lit);
                    deposit_path(basis, lit, colour, sums, value.data() + order[i] * row());
                  }
                }

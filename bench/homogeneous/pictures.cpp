@@ -1,0 +1,115 @@
+// Fig. 3 to 7 of Xu et al. 2007 on our meshes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/common/assets.h"
+#include "bench/homogeneous/study.h"
+#include "render/transport_renderer.h"
+#include "scene/camera.h"
+#include "transport/precompute.h"
+
+namespace parian {
+namespace {
+
+Scene make_scene(const Dipole& material) {
+  Scene scene;
+  scene.mesh = make_bench_mesh("dragon-22998.ply", 3, 60);
+  scene.mesh_name = "dragon";
+  scene.material = Material(material);
+  scene.lights = {make_bench_environment()};
+  scene.camera.width = 400;
+  scene.camera.height = 300;
+  scene.camera.target = center(bounds(scene.mesh));
+  frame_box(scene.camera, bounds(scene.mesh));
+  scene.background = {0.03f, 0.03f, 0.035f};
+  return scene;
+}
+
+Dipole make_material(double sigma_s, std::array<double, 3> sigma_a, double g, bool single) {
+  Dipole material;
+  for (const double absorption : sigma_a)
+    material.channels.push_back({absorption, (1 - g) * sigma_s, g});
+  material.single_scattering = single;
+  return material;
+}
+
+Image beside(const std::vector<Image>& pictures) {
+  const Image& one = pictures[0];
+  Image sheet = make_image(one.width * static_cast<int>(pictures.size()), one.height, one.channels);
+  for (std::size_t i = 0; i < pictures.size(); ++i)
+    for (int y = 0; y < one.height; ++y)
+      for (int x = 0; x < one.width; ++x)
+        for (int c = 0; c < one.channels; ++c)
+          at(sheet, static_cast<int>(i) * one.width + x, y, c) = at(pictures[i], x, y, c);
+  return sheet;
+}
+
+double relative_error(const Image& a, const Image& b) {
+  double sum = 0, total = 0;
+  for (std::size_t i = 0; i < a.values.size(); ++i) {
+    sum += std::abs(static_cast<double>(a.values[i] - b.values[i]));
+    total += static_cast<double>(b.values[i]);
+  }
+  return sum / total;
+}
+
+// Fewer and fewer intervals, in the paper's count of coefficients, beside 64 intervals.
+void show_series(const Page& page, const std::string& name, const Dipole& material,
+                 const std::vector<int>& intervals, bool only_single) {
+  Scene scene = make_scene(material);
+  scene.specular.enabled = false;
+  const RayTracer tracer(scene.mesh);
+  MarkdownTable table;
+  table.header = {"intervals", "functions", "mean error of the picture"};
+  std::vector<Image> pictures;
+  std::vector<int> counts = intervals;
+  counts.push_back(64);
+  for (const int count : counts) {
+    PrecomputeParams params;
+    params.multiple_intervals = params.single_intervals = count;
+    params.knots = count == 64 ? KnotChoice::balanced : KnotChoice::published;
+    params.single = only_single;
+    params.samples = 100000;
+    Precompute work(scene, tracer, params);
+    work.advance();
+    HomogeneousTransport transport = work.transport();
+    if (only_single) transport.lights[0].multiple = {};
+    pictures.push_back(TransportRenderer(scene, transport).render(material).image);
+  }
+  for (std::size_t i = 0; i < intervals.size(); ++i)
+    table.rows.push_back(
+        {fmt::format("{}", intervals[i]), fmt::format("{}", intervals[i] + 1),
+         fmt::format("{:.2f} %", 100 * relative_error(pictures[i], pictures.back()))});
+  write_picture(page, name, beside(pictures));
+  write_table(page, name, "With published knots; the last picture has 64 intervals.", table);
+}
+
+void show_edits(const Page& page) {
+  Scene scene = make_scene(make_material(1, {0.01, 0.01, 0.01}, 0, true));
+  const RayTracer tracer(scene.mesh);
+  PrecomputeParams params;
+  params.samples = 100000;
+  Precompute work(scene, tracer, params);
+  work.advance();
+  const TransportRenderer renderer(scene, work.transport());
+  const auto picture = [&](double sigma_s, double sigma_a, double g) {
+    return renderer.render(make_material(sigma_s, {sigma_a, sigma_a, sigma_a}, g, true)).image;
+  };
+  write_picture(page, "scattering",
+                beside({picture(0.3, 0.01, 0), picture(1.5, 0.01, 0), picture(4, 0.01, 0)}));
+  write_picture(page, "absorption", beside({picture(1.04, 0.002, 0), picture(1.04, 0.40, 0)}));
+  write_picture(page, "phase", beside({picture(0.5, 0.05, -0.25), picture(0.5, 0.05, 0.25)}));
+}
+
+}  // namespace
+
+void study_pictures(const Page& page) {
+  show_series(page, "figure-3", make_material(1.8, {0.03, 0.004, 0.03}, 0, false), {4, 8, 16},
+              false);
+  show_series(page, "figure-4", make_material(1.0, {0.01, 0.01, 0.01}, 0, true), {3, 4, 8}, true);
+  show_edits(page);
+}
+
+}  // namespace parian
