@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -37,22 +38,33 @@ Errors measure(const Curve& exact, const Curve& approximate, bool radial) {
   return {std::sqrt(square), absolute / total};
 }
 
-Errors measure_splines(const Curve& curve, bool radial, const CurveBasisParams& params) {
-  const SplineBasis basis =
-      radial ? make_R_d_basis(reach, eta, params) : make_E_basis(reach, params);
-  const SplineProjection projection =
+// A basis with its projection; making them takes longer than using them.
+struct Splines {
+  SplineBasis basis;
+  SplineProjection projection;
+  bool radial;
+};
+Splines make_splines(bool radial, const CurveBasisParams& params) {
+  SplineBasis basis = radial ? make_R_d_basis(reach, eta, params) : make_E_basis(reach, params);
+  SplineProjection projection =
       radial ? make_R_d_projection(basis, params.knots) : make_E_projection(basis, params.knots);
-  const std::vector<double> c = projection.fit(curve);
+  return {std::move(basis), std::move(projection), radial};
+}
+Errors measure_splines(const Curve& curve, const Splines& splines) {
+  const std::vector<double> c = splines.projection.fit(curve);
   return measure(
-      curve, [&](double x) { return eval_spline(basis, c, x); }, radial);
+      curve, [&](double x) { return eval_spline(splines.basis, c, x); }, splines.radial);
 }
 
-// The `count` coarsest coefficients, as precomputed transport would have to keep a fixed set.
+// The `count` coarsest coefficients, as precomputed transport would have to keep a fixed set. The
+// row is mirrored, so that its ends meet: twice the values, and twice the coefficients.
 Errors measure_wavelets(const Curve& curve, Wavelet wavelet, int count) {
-  std::vector<double> values(samples);
+  std::vector<double> values(2 * samples);
   for (int i = 0; i < samples; ++i)
-    values[static_cast<std::size_t>(i)] = curve(reach * (i + 0.5) / samples);
-  const std::vector<double> kept = keep_coarse(values, wavelet, static_cast<std::size_t>(count));
+    values[static_cast<std::size_t>(i)] = values[static_cast<std::size_t>(2 * samples - 1 - i)] =
+        curve(reach * (i + 0.5) / samples);
+  const std::vector<double> kept =
+      keep_coarse(values, wavelet, static_cast<std::size_t>(2 * count));
   return measure(
       curve,
       [&](double x) {
@@ -86,7 +98,7 @@ void compare_kinds(const Page& page) {
           fmt::format("{}, {} knots", degree == 1 ? "linear" : "quadratic",
                       knots == KnotChoice::published ? "published" : "balanced");
       add(name, static_cast<std::size_t>(16 + degree),
-          measure_splines(R_d, true, {16, degree, knots}));
+          measure_splines(R_d, make_splines(true, {16, degree, knots})));
     }
   write_table(page, "kinds",
               "R_d of σ_s = 2, σ_a = 0.1 over 20 mm. Splines have 16 intervals: 17 or 18 numbers "
@@ -99,6 +111,7 @@ void compare_counts(const Page& page) {
   table.header = {"intervals", "published: worst R_d", "balanced: worst R_d",
                   "quadratic", "published: worst E",   "balanced: worst E"};
   const auto worst = [&](bool radial, const CurveBasisParams& params) {
+    const Splines splines = make_splines(radial, params);
     double error = 0;
     for (const double sigma_s : {0.2, 0.5, 1.0, 2.0, 5.0, 10.0})
       for (const double ratio : {0.002, 0.01, 0.05}) {
@@ -106,7 +119,7 @@ void compare_counts(const Page& page) {
         const Curve curve =
             radial ? Curve([&](double r) { return eval_dipole(medium, eta, r); })
                    : Curve([&](double s) { return std::exp(-(medium.sigma_a + sigma_s) * s); });
-        error = std::max(error, measure_splines(curve, radial, params).relative);
+        error = std::max(error, measure_splines(curve, splines).relative);
       }
     return percent(error);
   };
@@ -124,34 +137,37 @@ void compare_counts(const Page& page) {
 }
 
 // Fig. 2.
-void plot_counts(const Page& page) {
-  for (const bool radial : {true, false}) {
-    Plot plot;
-    plot.title = radial ? "RMS error of R_d" : "RMS error of E";
-    plot.x_label = "coefficients";
-    plot.y_label = "RMS error";
-    plot.log_y = true;
-    for (const double sigma_s : {0.2, 2.0, 10.0})
-      for (const int degree : {1, 2}) {
-        const DipoleCoefficients medium{0.01 * sigma_s, sigma_s};
-        const Curve curve = radial ? Curve([=](double r) { return eval_dipole(medium, eta, r); })
-                                   : Curve([=](double s) { return std::exp(-1.01 * sigma_s * s); });
-        PlotSeries series;
-        series.color = sigma_s < 1   ? std::array{0.1f, 0.3f, 0.8f}
-                       : sigma_s < 5 ? std::array{0.05f, 0.5f, 0.1f}
-                                     : std::array{0.8f, 0.1f, 0.05f};
-        series.size = degree == 1 ? 2 : 1;
-        series.label =
-            fmt::format("sigma_s {:.1f}, {}", sigma_s, degree == 1 ? "linear" : "quadratic");
-        for (const int intervals : {2, 4, 6, 8, 12, 16, 24, 32}) {
-          series.x.push_back(intervals + degree);
-          series.y.push_back(
-              measure_splines(curve, radial, {intervals, degree, KnotChoice::published}).rms);
-        }
-        plot.series.push_back(std::move(series));
+void plot_counts(const Page& page, bool radial) {
+  Plot plot;
+  plot.title = radial ? "RMS error of R_d" : "RMS error of E";
+  plot.x_label = "coefficients";
+  plot.y_label = "RMS error";
+  plot.log_y = true;
+  constexpr double sigmas[] = {0.2, 2, 10};
+  constexpr std::array<float, 3> colors[] = {
+      {0.1f, 0.3f, 0.8f}, {0.05f, 0.5f, 0.1f}, {0.8f, 0.1f, 0.05f}};
+  for (const int degree : {1, 2}) {
+    std::vector<PlotSeries> series(3);
+    for (const int intervals : {2, 4, 6, 8, 12, 16, 24, 32}) {
+      const Splines splines = make_splines(radial, {intervals, degree, KnotChoice::published});
+      for (std::size_t i = 0; i < 3; ++i) {
+        const DipoleCoefficients medium{0.01 * sigmas[i], sigmas[i]};
+        const Curve curve =
+            radial ? Curve([=](double r) { return eval_dipole(medium, eta, r); })
+                   : Curve([=](double s) { return std::exp(-1.01 * medium.sigma_s_prime * s); });
+        series[i].x.push_back(intervals + degree);
+        series[i].y.push_back(measure_splines(curve, splines).rms);
       }
-    write_picture(page, radial ? "counts-R_d" : "counts-E", draw_plot(plot));
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      series[i].label =
+          fmt::format("sigma_s {:.1f}, {}", sigmas[i], degree == 1 ? "linear" : "quadratic");
+      series[i].color = colors[i];
+      series[i].size = degree == 1 ? 2 : 1;
+      plot.series.push_back(std::move(series[i]));
+    }
   }
+  write_picture(page, radial ? "counts-R_d" : "counts-E", draw_plot(plot));
 }
 
 }  // namespace
@@ -159,7 +175,7 @@ void plot_counts(const Page& page) {
 void study_bases(const Page& page) {
   compare_kinds(page);
   compare_counts(page);
-  plot_counts(page);
+  for (const bool radial : {true, false}) plot_counts(page, radial);
 }
 
 }  // namespace parian
