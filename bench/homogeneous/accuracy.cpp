@@ -65,8 +65,8 @@ struct Transport {
   RadialMoments moments;
 };
 Transport make_transport(const Setting& setting, const CurveBasisParams& params, double opening) {
-  const SplineBasis basis = make_R_d_basis(setting.reach_mm, eta, params);
-  return {basis.size(), make_R_d_projection(basis, params.knots),
+  const SplineBasis basis = make_reflectance_basis(setting.reach_mm, eta, params);
+  return {basis.size(), make_reflectance_projection(basis, params.knots),
           compute_radial_moments(basis, setting.sources, setting.targets,
                                  default_near_mm(setting.sources.area_mm2), {.opening = opening})};
 }
@@ -161,8 +161,8 @@ void study_single(const Page& page, const Setting& setting) {
   }
   HomogeneousTransport transport;
   transport.places = points.size();
-  transport.multiple_basis = make_R_d_basis(1, eta);
-  transport.single_basis = make_E_basis(46);
+  transport.multiple_basis = make_reflectance_basis(1, eta);
+  transport.single_basis = make_attenuation_basis(46);
   const SingleScatteringParams params;
   const std::vector<float> value = compute_single_transport(
       transport.single_basis, points, setting.lights[0], setting.mesh, tracer, eta, params);

@@ -45,9 +45,10 @@ struct Splines {
   bool radial;
 };
 Splines make_splines(bool radial, const CurveBasisParams& params) {
-  SplineBasis basis = radial ? make_R_d_basis(reach, eta, params) : make_E_basis(reach, params);
-  SplineProjection projection =
-      radial ? make_R_d_projection(basis, params.knots) : make_E_projection(basis, params.knots);
+  SplineBasis basis =
+      radial ? make_reflectance_basis(reach, eta, params) : make_attenuation_basis(reach, params);
+  SplineProjection projection = radial ? make_reflectance_projection(basis, params.knots)
+                                       : make_attenuation_projection(basis, params.knots);
   return {std::move(basis), std::move(projection), radial};
 }
 Errors measure_splines(const Curve& curve, const Splines& splines) {

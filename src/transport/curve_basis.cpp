@@ -126,24 +126,24 @@ ParamList describe(CurveBasisParams& params) {
            .target = make_choice(params.knots, {"balanced", "published"})}};
 }
 
-SplineBasis make_R_d_basis(double reach_mm, double eta, const CurveBasisParams& params) {
+SplineBasis make_reflectance_basis(double reach_mm, double eta, const CurveBasisParams& params) {
   std::vector<Curve> curves;
   for (const DipoleCoefficients& medium : media)
     curves.emplace_back([medium, eta](double r) { return eval_dipole(medium, eta, r); });
   return make_basis(reach_mm, curves, true, params);
 }
 
-SplineBasis make_E_basis(double reach_mm, const CurveBasisParams& params) {
+SplineBasis make_attenuation_basis(double reach_mm, const CurveBasisParams& params) {
   std::vector<Curve> curves;
   for (const double sigma_t : extinctions)
     curves.emplace_back([sigma_t](double s) { return std::exp(-sigma_t * s); });
   return make_basis(reach_mm, curves, false, params);
 }
 
-SplineProjection make_R_d_projection(const SplineBasis& basis, KnotChoice knots) {
+SplineProjection make_reflectance_projection(const SplineBasis& basis, KnotChoice knots) {
   return make_projection(basis, knots, true);
 }
-SplineProjection make_E_projection(const SplineBasis& basis, KnotChoice knots) {
+SplineProjection make_attenuation_projection(const SplineBasis& basis, KnotChoice knots) {
   return make_projection(basis, knots, false);
 }
 

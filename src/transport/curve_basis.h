@@ -26,12 +26,13 @@ struct CurveBasisParams {
 ParamList describe(CurveBasisParams& params);
 
 // For R_d(r), r from 0 to reach_mm, of classic dipoles with sigma_s from 0.2 to 10 / mm.
-SplineBasis make_R_d_basis(double reach_mm, double eta, const CurveBasisParams& params = {});
+SplineBasis make_reflectance_basis(double reach_mm, double eta,
+                                   const CurveBasisParams& params = {});
 // For E(s) = exp(-sigma_t s), s from 0 to reach_mm.
-SplineBasis make_E_basis(double reach_mm, const CurveBasisParams& params = {});
+SplineBasis make_attenuation_basis(double reach_mm, const CurveBasisParams& params = {});
 
 // Least squares weighted by r dr, or by ds; the published choice takes no weights.
-SplineProjection make_R_d_projection(const SplineBasis& basis, KnotChoice knots);
-SplineProjection make_E_projection(const SplineBasis& basis, KnotChoice knots);
+SplineProjection make_reflectance_projection(const SplineBasis& basis, KnotChoice knots);
+SplineProjection make_attenuation_projection(const SplineBasis& basis, KnotChoice knots);
 
 }  // namespace parian

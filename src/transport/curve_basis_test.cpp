@@ -44,8 +44,8 @@ Errors measure(const SplineBasis& basis, const SplineProjection& projection) {
 }
 
 Errors measure(const CurveBasisParams& params) {
-  const SplineBasis basis = make_R_d_basis(reach, eta, params);
-  return measure(basis, make_R_d_projection(basis, params.knots));
+  const SplineBasis basis = make_reflectance_basis(reach, eta, params);
+  return measure(basis, make_reflectance_projection(basis, params.knots));
 }
 
 // Over sigma_s from 0.2 to 10 and sigma_a / sigma_s from 0.002 to 0.05, at equal storage.
@@ -70,8 +70,8 @@ TEST(CurveBasis, ErrorsFallWithTheIntervals) {
 }
 
 TEST(CurveBasis, AttenuationIsFollowed) {
-  const SplineBasis basis = make_E_basis(reach);
-  const SplineProjection projection = make_E_projection(basis, KnotChoice::balanced);
+  const SplineBasis basis = make_attenuation_basis(reach);
+  const SplineProjection projection = make_attenuation_projection(basis, KnotChoice::balanced);
   for (const double sigma_t : {0.2, 0.5, 1.0, 3.0, 10.0}) {
     const auto E = [&](double s) { return std::exp(-sigma_t * s); };
     const std::vector<double> coefficients = projection.fit(E);
@@ -87,7 +87,7 @@ TEST(CurveBasis, AttenuationIsFollowed) {
 
 TEST(CurveBasis, KnotsSpanTheReach) {
   for (const KnotChoice knots : {KnotChoice::balanced, KnotChoice::published}) {
-    const SplineBasis basis = make_R_d_basis(60, eta, {.knots = knots});
+    const SplineBasis basis = make_reflectance_basis(60, eta, {.knots = knots});
     EXPECT_EQ(basis.knots.front(), 0);
     EXPECT_EQ(basis.knots.back(), 60);
     EXPECT_EQ(basis.size(), 17u);

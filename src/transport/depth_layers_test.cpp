@@ -119,7 +119,8 @@ TEST(DepositPath, IsTheBasis) {
   Rng rng = make_rng(11);
   for (const int degree : {1, 2})
     for (const int intervals : {1, 2, 16}) {
-      const SplineBasis basis = make_E_basis(40, {.intervals = intervals, .degree = degree});
+      const SplineBasis basis =
+          make_attenuation_basis(40, {.intervals = intervals, .degree = degree});
       const BasisTable table = make_basis_table(basis);
       const float colour[3] = {1, 2, 4};
       for (int k = 0; k < 300; ++k) {

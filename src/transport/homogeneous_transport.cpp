@@ -78,8 +78,8 @@ float unpack(const PackedTransport& packed, std::size_t place, std::size_t funct
 }
 
 TransportProjection::TransportProjection(const HomogeneousTransport& transport)
-    : multiple_(make_R_d_projection(transport.multiple_basis, transport.knots)),
-      single_(make_E_projection(transport.single_basis, transport.knots)),
+    : multiple_(make_reflectance_projection(transport.multiple_basis, transport.knots)),
+      single_(make_attenuation_projection(transport.single_basis, transport.knots)),
       multiple_size_(transport.multiple_basis.size()),
       single_size_(transport.single_basis.size()) {}
 
@@ -91,24 +91,26 @@ TransportCoefficients TransportProjection::fit(const Dipole& material) const {
   for (std::size_t c = 0; c < 3; ++c) {
     const int channel = material.channels.size() == 1 ? 0 : static_cast<int>(c);
     const DipoleCoefficients& medium = material.channels[static_cast<std::size_t>(channel)];
-    set_R_d(coefficients, c, [&](double r) { return eval_dipole(medium, material.eta, r); });
+    set_reflectance(coefficients, c,
+                    [&](double r) { return eval_dipole(medium, material.eta, r); });
     if (!material.single_scattering) continue;
     const double sigma_s = sigma_s_of(medium), sigma_t = sigma_s + medium.sigma_a;
-    set_E(coefficients, c, sigma_s, medium.g, [=](double s) { return std::exp(-sigma_t * s); });
+    set_attenuation(coefficients, c, sigma_s, medium.g,
+                    [=](double s) { return std::exp(-sigma_t * s); });
   }
   return coefficients;
 }
 
-void TransportProjection::set_R_d(TransportCoefficients& coefficients, std::size_t channel,
-                                  const std::function<double(double)>& R_d) const {
+void TransportProjection::set_reflectance(TransportCoefficients& coefficients, std::size_t channel,
+                                          const std::function<double(double)>& R_d) const {
   const std::vector<double> c = multiple_.fit(R_d);
   for (std::size_t j = 0; j < c.size(); ++j)
     coefficients.multiple[3 * j + channel] = static_cast<float>(c[j] * inverse_pi);
 }
 
-void TransportProjection::set_E(TransportCoefficients& coefficients, std::size_t channel,
-                                double sigma_s, double g,
-                                const std::function<double(double)>& E) const {
+void TransportProjection::set_attenuation(TransportCoefficients& coefficients, std::size_t channel,
+                                          double sigma_s, double g,
+                                          const std::function<double(double)>& E) const {
   const std::vector<double> e = single_.fit(E);
   for (std::size_t j = 0; j < e.size(); ++j)
     coefficients.single[3 * j + channel] = static_cast<float>(e[j] * sigma_s * inverse_pi / 4);

@@ -77,11 +77,11 @@ class TransportProjection {
   // scattering counts where the transport has it and the material asks for it.
   TransportCoefficients fit(const Dipole& material) const;
   // Any curve in place of R_d of a channel.
-  void set_R_d(TransportCoefficients& coefficients, std::size_t channel,
-               const std::function<double(double)>& R_d) const;
+  void set_reflectance(TransportCoefficients& coefficients, std::size_t channel,
+                       const std::function<double(double)>& R_d) const;
   // Any curve in place of E, with sigma_s and g.
-  void set_E(TransportCoefficients& coefficients, std::size_t channel, double sigma_s, double g,
-             const std::function<double(double)>& E) const;
+  void set_attenuation(TransportCoefficients& coefficients, std::size_t channel, double sigma_s,
+                       double g, const std::function<double(double)>& E) const;
 
  private:
   SplineProjection multiple_, single_;

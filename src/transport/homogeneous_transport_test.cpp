@@ -32,8 +32,8 @@ struct Fixture {
 
   Fixture() {
     transport.places = places;
-    transport.multiple_basis = make_R_d_basis(20, 1.3, {.intervals = 8});
-    transport.single_basis = make_E_basis(20, {.intervals = 6});
+    transport.multiple_basis = make_reflectance_basis(20, 1.3, {.intervals = 8});
+    transport.single_basis = make_attenuation_basis(20, {.intervals = 6});
     for (std::size_t i = 0; i < 2; ++i) {
       multiple[i] = make_values(places * 9 * 3, 0, 3000, 10 + i);
       single[i] = make_values(places * 7 * 12, -20, 40, 20 + i);

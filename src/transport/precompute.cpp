@@ -145,9 +145,9 @@ HomogeneousTransport make_empty_transport(const Scene& scene, const PrecomputePa
   transport.places = scene.mesh.positions.size();
   const double diagonal = diagonal_of(scene.mesh);
   CurveBasisParams basis{params.multiple_intervals, params.degree, params.knots};
-  transport.multiple_basis = make_R_d_basis(diagonal, transport.eta, basis);
+  transport.multiple_basis = make_reflectance_basis(diagonal, transport.eta, basis);
   basis.intervals = params.single_intervals;
-  transport.single_basis = make_E_basis(std::min(2 * diagonal, longest_path_mm), basis);
+  transport.single_basis = make_attenuation_basis(std::min(2 * diagonal, longest_path_mm), basis);
   return transport;
 }
 

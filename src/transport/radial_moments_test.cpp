@@ -95,8 +95,8 @@ TEST(RadialMoments, OpeningNothingIsTheSum) {
 TEST(RadialMoments, HierarchyKeepsExitance) {
   const GatherSources sources = make_sphere_sources(20000, 20);
   const std::vector<GatherPoint> targets = make_sphere_points(60, 20, 0.3);
-  const SplineBasis basis = make_R_d_basis(41, 1.3);
-  const SplineProjection projection = make_R_d_projection(basis, KnotChoice::balanced);
+  const SplineBasis basis = make_reflectance_basis(41, 1.3);
+  const SplineProjection projection = make_reflectance_projection(basis, KnotChoice::balanced);
   const double near = default_near_mm(sources.area_mm2);
   const RadialMoments exact = compute_radial_moments(basis, sources, targets, near, {.opening = 0});
   double last = 1;

@@ -137,7 +137,7 @@ TEST(SingleReference, AgreesWithTransport) {
   const RayTracer tracer(mesh);
   const auto points = pick_surface_points(mesh, 16);
   const Light sky = EnvironmentLight{.image = make_sky_image(32, 16)};
-  const SplineBasis basis = make_E_basis(20);
+  const SplineBasis basis = make_attenuation_basis(20);
   const auto value =
       compute_single_transport(basis, points, sky, mesh, tracer, 1.3,
                                {.directions = 16, .method = EntryMethod::rays, .seed = 4});

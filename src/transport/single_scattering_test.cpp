@@ -72,7 +72,7 @@ TEST(PathLength, IsToTheBackFaceAndPastEntries) {
 TEST(SingleTransport, HalfSpaceIsTheClosedForm) {
   const TriangleMesh mesh = make_box({200, 20, 200});
   const RayTracer tracer(mesh);
-  const SplineBasis basis = make_E_basis(45);
+  const SplineBasis basis = make_attenuation_basis(45);
   const std::vector<SurfacePoint> points{make_surface_point({0.3f, 10, 0.7f}, {0, 1, 0})};
   for (const double eta : {1.0, 1.3, 1.5})
     for (const double angle : {0.0, 40.0, 75.0})
@@ -100,7 +100,7 @@ TEST(SingleTransport, SphereHasTheLengthsOfGeometry) {
   // Without attenuation: int F_t ds along the path, with exact entries.
   const TriangleMesh mesh = make_sphere(5);
   const RayTracer tracer(mesh);
-  const SplineBasis basis = make_E_basis(6);
+  const SplineBasis basis = make_attenuation_basis(6);
   const DirectionalLight sun = sun_at(0);
   for (const double angle : {10.0, 60.0, 120.0, 170.0}) {
     const double x = std::sin(angle * pi / 180), y = std::cos(angle * pi / 180);
@@ -122,7 +122,8 @@ TEST(SingleTransport, DegreesAgree) {
   const TriangleMesh mesh = make_sphere(3);
   const RayTracer tracer(mesh);
   const auto points = pick_surface_points(mesh, 5);
-  const SplineBasis hats = make_E_basis(5), smooth = make_E_basis(5, {.degree = 2});
+  const SplineBasis hats = make_attenuation_basis(5),
+                    smooth = make_attenuation_basis(5, {.degree = 2});
   const auto flat = fit_attenuation(hats, 1), round = fit_attenuation(smooth, 1);
   const auto a = compute_single_transport(hats, points, sun_at(20), mesh, tracer, 1.3,
                                           {.resolution = 256}),
@@ -142,7 +143,7 @@ struct Difference {
 std::vector<Difference> compare_methods(const TriangleMesh& mesh,
                                         const std::vector<double>& sigma_t) {
   const RayTracer tracer(mesh);
-  const SplineBasis basis = make_E_basis(40);
+  const SplineBasis basis = make_attenuation_basis(40);
   const auto points = pick_surface_points(mesh, 60);
   const EnvironmentLight sky{.image = make_sky_image(64, 32)};
   const auto compute = [&](EntryMethod method) {
@@ -184,7 +185,7 @@ TEST(SingleTransport, AnotherPartShadows) {
   TriangleMesh mesh = make_box({10, 2, 10});
   append_mesh(mesh, make_box({20, 1, 20}), {0, 4, 0});
   const RayTracer tracer(mesh);
-  const SplineBasis basis = make_E_basis(10);
+  const SplineBasis basis = make_attenuation_basis(10);
   const std::vector<SurfacePoint> points{make_surface_point({0.4f, 1, 0.3f}, {0, 1, 0})};
   for (const EntryMethod method : {EntryMethod::depth_layers, EntryMethod::rays}) {
     const SingleScatteringParams params{.method = method, .resolution = 256};
@@ -202,7 +203,7 @@ TEST(SingleTransport, AnotherPartShadows) {
 TEST(SingleTransport, FarLampIsASun) {
   TriangleMesh mesh = make_sphere(3);
   const RayTracer tracer(mesh);
-  const SplineBasis basis = make_E_basis(6);
+  const SplineBasis basis = make_attenuation_basis(6);
   const auto points = pick_surface_points(mesh, 8);
   const DirectionalLight sun = sun_at(30);
   const float d = 5000;
@@ -219,7 +220,7 @@ TEST(SingleTransport, UniformEnvironmentIsTheIntegralOverDirections) {
   // At eta = 1 on a convex body: all of 4 pi L comes to each point of the path.
   const TriangleMesh mesh = make_sphere(3);
   const RayTracer tracer(mesh);
-  const SplineBasis basis = make_E_basis(6);
+  const SplineBasis basis = make_attenuation_basis(6);
   const auto points = pick_surface_points(mesh, 10);
   const EnvironmentLight light{.image = make_image(16, 8, 3, 0.5f)};
   const auto value = compute_single_transport(basis, points, light, mesh, tracer, 1,
@@ -236,7 +237,7 @@ TEST(SingleTransport, UniformEnvironmentIsTheIntegralOverDirections) {
 struct Setting {
   TriangleMesh mesh = make_sphere(2);
   RayTracer tracer{mesh};
-  SplineBasis basis = make_E_basis(6);
+  SplineBasis basis = make_attenuation_basis(6);
   std::vector<SurfacePoint> points = pick_surface_points(mesh, 100);
   EnvironmentLight light{.image = make_sky_image(32, 16)};
   SingleScatteringParams params{.path_samples = 8, .directions = 24, .resolution = 64};

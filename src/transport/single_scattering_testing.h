@@ -39,7 +39,7 @@ inline void append_mesh(TriangleMesh& mesh, const TriangleMesh& other, Vec3 offs
 
 // Coefficients of e^{-sigma_t s}.
 inline std::vector<double> fit_attenuation(const SplineBasis& basis, double sigma_t) {
-  return make_E_projection(basis, KnotChoice::balanced).fit([&](double s) {
+  return make_attenuation_projection(basis, KnotChoice::balanced).fit([&](double s) {
     return std::exp(-sigma_t * s);
   });
 }
