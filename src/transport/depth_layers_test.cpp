@@ -140,12 +140,13 @@ TEST(DepositPath, IsTheBasis) {
         for (std::size_t i = 0; i <= static_cast<std::size_t>(degree); ++i)
           expected[exact.first + i] = exact.value[i];
         for (std::size_t j = 0; j < basis.size(); ++j)
-          for (std::size_t c = 0; c < 12; ++c)
-            EXPECT_NEAR(
-                static_cast<double>(value[12 * j + c]),
-                expected[j] * static_cast<double>(1 + c / 3) * static_cast<double>(colour[c % 3]),
-                2e-4)
+          for (std::size_t c = 0; c < 12; ++c) {
+            const std::size_t row = 1 + c / 3;
+            EXPECT_NEAR(static_cast<double>(value[12 * j + c]),
+                        expected[j] * static_cast<double>(row) * static_cast<double>(colour[c % 3]),
+                        2e-4)
                 << degree << ' ' << intervals << ' ' << x;
+          }
         for (const float sum : sums) ASSERT_EQ(sum, 0.0f);
       }
     }
