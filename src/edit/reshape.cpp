@@ -1,6 +1,8 @@
 #include "edit/reshape.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "base/check.h"
 #include "base/hot.h"
@@ -55,9 +57,16 @@ struct Reshape {
     const std::size_t pixels = before.pixels(), n = knots.radius.size();
     const auto channel = static_cast<std::size_t>(block.channel);
     const std::size_t at = channel * pixels + block.first;
-    for (std::size_t k = 0; k < n; ++k)
-      load_lanes(&before.shapes->log_profile[(channel * n + k) * pixels + block.first], block.count,
-                 &buffers.rows[k * shape_lanes]);
+    for (std::size_t k = 0; k < n; ++k) {
+      const float* row = &before.shapes->log_profile[(channel * n + k) * pixels + block.first];
+      float* target = &shapes.log_profile[(channel * n + k) * pixels + block.first];
+      load_lanes(row, block.count, &buffers.rows[k * shape_lanes]);
+      // Rows lie far apart, so the processor does not see what comes next.
+      for (std::size_t ahead = 0; ahead < shape_lanes; ahead += 16) {
+        __builtin_prefetch(row + shape_lanes + ahead);
+        __builtin_prefetch(target + ahead, 1);
+      }
+    }
     load_lanes(&amount[block.first], block.count, buffers.amount);
     load_lanes(&before.shapes->albedo[at], block.count, buffers.albedo);
     load_lanes(&before.shapes->range_mm[at], block.count, buffers.range_mm);
@@ -102,10 +111,14 @@ void reshape(EditState& state, const std::vector<float>& amount, const ShapeFunc
   PARIAN_CHECK_EQ(amount.size(), state.pixels());
   auto shapes = std::make_shared<ShapePlanes>();
   shapes->log_profile = AlignedVector<float>(state.shapes->log_profile.size());
-  shapes->albedo = state.shapes->albedo;
-  shapes->range_mm = state.shapes->range_mm;
-  auto gain = std::make_shared<Plane>(*state.gain);
-  auto dilation = std::make_shared<Plane>(*state.dilation);
+  auto gain = std::make_shared<Plane>();
+  auto dilation = std::make_shared<Plane>();
+  const std::array<std::pair<const Plane*, Plane*>, 4> copies{
+      {{&state.shapes->albedo, &shapes->albedo},
+       {&state.shapes->range_mm, &shapes->range_mm},
+       {state.gain.get(), gain.get()},
+       {state.dilation.get(), dilation.get()}}};
+  parallel_for(copies.size(), [&](std::size_t i) { *copies[i].second = *copies[i].first; });
   const Reshape work{state,   amount, make_rows, make_knot_table(state.knots_mm),
                      *shapes, *gain,  *dilation};
   const std::size_t blocks = (state.pixels() + shape_lanes - 1) / shape_lanes;

@@ -11,28 +11,7 @@ namespace parian {
 namespace {
 
 constexpr double two_pi = 6.283185307179586;
-constexpr double log_of_support = -9.210340371976182;  // ln of support_threshold
-constexpr auto log_of_threshold = static_cast<float>(-log_of_support);
-
-// e^x = 2^k e^f with |f| <= ln 2 / 2, Taylor to f^11: 7e-15 relative. For |x| < 700; 0 below.
-[[gnu::always_inline]] inline double exp_lane(double x) {
-  constexpr double log2_e = 1.4426950408889634, ln2_high = 6.93147180369123816490e-01,
-                   ln2_low = 1.90821492927058770002e-10;
-  constexpr double round = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to an integer
-  double clamped = x < -700.0 ? -700.0 : x;
-  clamped = clamped > 700.0 ? 700.0 : clamped;
-  const double shifted = clamped * log2_e + round;
-  const double k = shifted - round;
-  const double f = (clamped - k * ln2_high) - k * ln2_low;
-  const double f2 = f * f, f4 = f2 * f2;  // by halves, so that little waits for the one before
-  const double low = (1 + f) + f2 * (0.5 + f * (1.0 / 6));
-  const double middle = (1.0 / 24 + f * (1.0 / 120)) + f2 * (1.0 / 720 + f * (1.0 / 5040));
-  const double high =
-      (1.0 / 40320 + f * (1.0 / 362880)) + f2 * (1.0 / 3628800 + f * (1.0 / 39916800));
-  const double p = low + f4 * (middle + f4 * high);
-  const std::uint64_t power = std::bit_cast<std::uint64_t>(shifted) << 52u;
-  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(p) + power);
-}
+constexpr auto log_of_threshold = static_cast<float>(log_of_support);
 
 [[gnu::always_inline]] inline float exp_lane_float(float x) {
   constexpr float log2_e = 1.44269504f, ln2_high = 0.693359375f, ln2_low = -2.12194440e-4f;
@@ -53,46 +32,7 @@ constexpr auto log_of_threshold = static_cast<float>(-log_of_support);
   return exp_lane_float(capped);
 }
 
-// int exp(y) r dr over [r0, r0 + h] from y0 to y0 + beta, with p0 and p1 = P at its ends: the
-// segment integral h (r0 p0 phi + h p0 psi), phi = (e^beta - 1) / beta, psi = (e^beta - phi) /
-// beta.
-[[gnu::always_inline]] inline double integrate_lane(double r0, double h, double beta, double p0,
-                                                    double p1) {
-  const bool small = beta < 0.05 && beta > -0.05;
-  const double inverse = 1 / (small ? 1.0 : beta);
-  const double by_ends = (p1 - p0) * inverse;
-  const double by_ends_psi = (p1 - by_ends) * inverse;
-  // Products, not quotients: a division costs as much as all the rest.
-  const double phi =
-      1 +
-      beta * (0.5 + beta * (1.0 / 6 + beta * (1.0 / 24 + beta * (1.0 / 120 + beta * (1.0 / 720)))));
-  const double psi =
-      0.5 + beta * (1.0 / 3 +
-                    beta * (1.0 / 8 + beta * (1.0 / 30 + beta * (1.0 / 144 + beta * (1.0 / 840)))));
-  return h * (r0 * (small ? p0 * phi : by_ends) + h * (small ? p0 * psi : by_ends_psi));
-}
-
 }  // namespace
-
-PARIAN_HOT void start_shapes(const float* PARIAN_RESTRICT row, ShapeSums* PARIAN_RESTRICT sums) {
-  for (std::size_t i = 0; i < shape_lanes; ++i) {
-    sums->log_value[i] = static_cast<double>(row[i]);
-    sums->value[i] = exp_lane(sums->log_value[i]);
-    sums->integral[i] = 0;
-  }
-}
-
-PARIAN_HOT void add_segment(double a, double b, const float* PARIAN_RESTRICT row,
-                            ShapeSums* PARIAN_RESTRICT sums) {
-  const double h = b - a;
-  for (std::size_t i = 0; i < shape_lanes; ++i) {
-    const double y0 = sums->log_value[i], y1 = static_cast<double>(row[i]);
-    const double p0 = sums->value[i], p1 = exp_lane(y1);
-    sums->integral[i] += integrate_lane(a, h, y1 - y0, p0, p1);
-    sums->log_value[i] = y1;
-    sums->value[i] = p1;
-  }
-}
 
 PARIAN_HOT void note_crossing(const float* PARIAN_RESTRICT before, const float* PARIAN_RESTRICT row,
                               float index, ShapeCrossings* PARIAN_RESTRICT crossings) {
@@ -100,27 +40,6 @@ PARIAN_HOT void note_crossing(const float* PARIAN_RESTRICT before, const float* 
     const float level = crossings->top[i] - log_of_threshold;
     const bool crosses = (before[i] > level) & (row[i] <= level);
     crossings->segment[i] = crosses ? index : crossings->segment[i];
-  }
-}
-
-PARIAN_HOT void finish_shapes(const float* PARIAN_RESTRICT before, const float* PARIAN_RESTRICT end,
-                              double last_radius, double last_length,
-                              const ShapeCrossings* PARIAN_RESTRICT crossings,
-                              ShapeSums* PARIAN_RESTRICT sums) {
-  const double least = -min_tail_decay / last_radius, limit = (support_limit - 1) * last_radius;
-  const double inverse_length = 1 / last_length;
-  for (std::size_t i = 0; i < shape_lanes; ++i) {
-    const double y = static_cast<double>(end[i]);
-    const double last_slope = (y - static_cast<double>(before[i])) * inverse_length;
-    const double slope = last_slope < least ? last_slope : least;
-    const double level = static_cast<double>(crossings->top[i]) + log_of_support;
-    double tail = (level - y) / slope;
-    tail = tail < limit ? tail : limit;
-    tail = y > level ? tail : 0;
-    const double beta = slope * tail, p0 = sums->value[i];
-    const double more = integrate_lane(last_radius, tail, beta, p0, p0 * exp_lane(beta));
-    sums->integral[i] = two_pi * (sums->integral[i] + more);
-    sums->tail[i] = tail;
   }
 }
 

@@ -5,16 +5,17 @@
 
 namespace parian {
 
-// Running measurement of a block; see measure_shapes.
+inline constexpr double log_of_support = 9.210340371976182;  // -ln(support_threshold)
+
+// The measurement of a block; see measure_shapes.
 struct ShapeSums {
-  alignas(64) double log_value[shape_lanes];  // ln P at the last knot added
-  alignas(64) double value[shape_lanes];      // P there
-  alignas(64) double integral[shape_lanes];  // int P r dr so far; after finish_shapes 2 pi times it
+  alignas(64) double value[shape_lanes];     // P at the last knot
+  alignas(64) double integral[shape_lanes];  // int P r dr; after finish_shapes 2 pi times it
   alignas(64) double tail[shape_lanes];      // after finish_shapes: support beyond the last knot
 };
-void start_shapes(const float* row, ShapeSums* sums);
-// The segment from radius a to b, at whose end ln P is `row`.
-void add_segment(double a, double b, const float* row, ShapeSums* sums);
+// Over all knots; rows[k * stride + i] is ln P_i at radius[k].
+void sum_segments(const float* rows, std::size_t stride, const double* radius, std::size_t knots,
+                  ShapeSums* sums);
 
 // Where P falls below the threshold for good: the last segment that crosses the level.
 struct ShapeCrossings {

@@ -77,6 +77,7 @@ class BlockRows {
     stride_ = shape_lanes;
   }
   const float* operator[](std::size_t k) const { return rows_ + k * stride_; }
+  std::size_t stride() const { return stride_; }
 
  private:
   AlignedVector<float> copy_;
@@ -107,11 +108,9 @@ void measure_shapes(const KnotTable& knots, const float* log_value, std::size_t 
   std::fill_n(crossings.segment, shape_lanes, -1.0f);
   for (std::size_t k = 1; k < n; ++k) raise_row(rows[k], crossings.top);
   ShapeSums sums;
-  start_shapes(rows[0], &sums);
-  for (std::size_t k = 1; k < n; ++k) {
-    add_segment(knots.radius[k - 1], knots.radius[k], rows[k], &sums);
+  sum_segments(rows[0], rows.stride(), knots.radius.data(), n, &sums);
+  for (std::size_t k = 1; k < n; ++k)
     note_crossing(rows[k - 1], rows[k], static_cast<float>(k - 1), &crossings);
-  }
   finish_shapes(rows[n - 2], rows[n - 1], knots.radius[n - 1],
                 knots.radius[n - 1] - knots.radius[n - 2], &crossings, &sums);
   std::copy_n(sums.integral, count, albedo);
