@@ -1,5 +1,5 @@
 // Homogeneous materials edited live: every figure of docs/homogeneous.md.
-//   bench_homogeneous [basis|accuracy|speed|pictures] [--large] [--docs docs]
+//   bench_homogeneous [models|basis|accuracy|speed|pictures] [--large] [--docs docs]
 #include <cstdio>
 #include <string>
 
@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   const parian::Page page{.name = "homogeneous", .folder = "out/bench", .docs = docs};
   const auto is_wanted = [&](const char* name) { return section.empty() || section == name; };
   try {
+    if (is_wanted("models")) study_models(page);
     if (is_wanted("basis")) study_bases(page);
     if (is_wanted("accuracy")) study_accuracy(page);
     if (is_wanted("speed")) study_speed(page, with_largest);

@@ -5,6 +5,8 @@
 
 namespace parian {
 
+// The diffusion models' totals and curves, and what they look like.
+void study_models(const Page& page);
 // Fig. 1 and 2: bases for R_d and E at equal numbers of coefficients.
 void study_bases(const Page& page);
 // Radiance from a few functions against many, against brute force and direct integration.

@@ -1,5 +1,5 @@
-// The classic dipole (Jensen et al. 2001) for homogeneous materials, per transmitted flux: Fresnel
-// transmission at entry and exit is not in it (Boundary::excluded).
+// Homogeneous materials, and the classic dipole (Jensen et al. 2001), per transmitted flux: Fresnel
+// transmission at entry and exit is not in it (Boundary::excluded). Other models: diffusion.h.
 #pragma once
 
 #include <array>
@@ -16,10 +16,26 @@ struct DipoleCoefficients {
   double g = 0;              // mean cosine of scattering angles, in (-1, 1): single scattering only
 };
 
+enum class DiffusionModel {
+  classic,     // Jensen et al. 2001
+  better,      // d'Eon 2012: Grosjean's D, exact Fresnel moments, exitance by C_phi and C_E
+  normalized,  // Burley 2015, with the better dipole's total; half-spaces only
+};
+
+// A slab under others.
+struct DipoleLayer {
+  std::vector<DipoleCoefficients> channels;  // as many as the material above
+  double thickness_mm = 0;                   // 0: without end, only as the last
+};
+
+// A homogeneous half-space or a slab, or a stack of slabs of one refractive index, lit from above.
 struct Dipole {
   std::vector<DipoleCoefficients> channels;  // 1, or 3: linear Rec. 709
   double eta = 1.3;
   bool single_scattering = false;  // light that scatters once counts beside R_d (Xu et al., Eq. 5)
+  DiffusionModel model = DiffusionModel::classic;
+  double thickness_mm = 0;  // 0: without end
+  std::vector<DipoleLayer> below = {};
 };
 
 // sigma_s = sigma_s' / (1 - g)

@@ -10,23 +10,12 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "material/bssrdf_table.h"
+#include "material/diffusion.h"
 #include "material/dilated_slices_internal.h"
 #include "material/plane_eval_internal.h"
 
 namespace parian {
 namespace {
-
-// Where R_d of a dipole falls to support_threshold of R_d(0), by bisection; it is monotone.
-double dipole_support(const DipoleCoefficients& medium, double eta) {
-  const double level = support_threshold * eval_dipole(medium, eta, 0);
-  double low = 0, high = 1e-3;
-  while (eval_dipole(medium, eta, high) > level && high < 1e6) high *= 2;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (eval_dipole(medium, eta, middle) > level ? low : high) = middle;
-  }
-  return high;
-}
 
 // Profile maps and blends.
 template <typename Grid>
@@ -39,7 +28,7 @@ void eval_model_slice(const Dipole& dipole, const TableHeader& header, int chann
                       float* slice) {
   const double r = length_px(offset) * header.pixel_pitch_mm;
   const double value =
-      eval_dipole(dipole.channels[static_cast<std::size_t>(channel)], dipole.eta, r);
+      eval_curve(make_reflectance_curve(dipole, static_cast<std::size_t>(channel)), r);
   std::fill_n(slice, header.pixels(), std::numeric_limits<float>::quiet_NaN());
   const PixelRange range = pairs_in_grid(header, offset);
   for (int y = range.y0; y < range.y1; ++y)
@@ -122,8 +111,8 @@ double support_of(const Grid& map) {
 
 double support_of(const Dipole& dipole) {
   double support = 0;
-  for (const DipoleCoefficients& medium : dipole.channels)
-    support = std::max(support, dipole_support(medium, dipole.eta));
+  for (std::size_t c = 0; c < dipole.channels.size(); ++c)
+    support = std::max(support, support_of(make_reflectance_curve(dipole, c)));
   return support;
 }
 

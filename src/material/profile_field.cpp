@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 
+#include "material/diffusion.h"
 #include "material/field_internal.h"
 
 namespace parian {
@@ -102,7 +103,7 @@ ProfileField make_field(const ProfileMap& map, double support) {
 }
 
 // Knots that share the chords' errors evenly: their density follows sqrt |y''|, y = ln R_d.
-std::vector<float> place_knots(const Dipole& dipole, double support) {
+std::vector<float> place_knots(const std::vector<ReflectanceCurve>& curves, double support) {
   constexpr int fine = 8192;
   const auto radius = [&](int i) {  // denser towards 0
     const double u = static_cast<double>(i) / fine;
@@ -112,8 +113,8 @@ std::vector<float> place_knots(const Dipole& dipole, double support) {
   for (int i = 1; i < fine; ++i) {
     const double a = radius(i - 1), b = radius(i), c = radius(i + 1);
     double density = 0;
-    for (const DipoleCoefficients& medium : dipole.channels) {
-      const auto y = [&](double r) { return std::log(eval_dipole(medium, dipole.eta, r)); };
+    for (const ReflectanceCurve& curve : curves) {
+      const auto y = [&](double r) { return std::log(eval_curve(curve, r)); };
       const double bend = 2 * ((y(c) - y(b)) / (c - b) - (y(b) - y(a)) / (b - a)) / (c - a);
       density = std::max(density, std::sqrt(std::abs(bend)));
     }
@@ -136,16 +137,19 @@ ProfileField make_field(const Dipole& dipole, double support) {
   ProfileField field;
   field.eta = dipole.eta;
   field.max_support_mm = static_cast<float>(support);
-  field.knots_mm = place_knots(dipole, support);
+  std::vector<ReflectanceCurve> curves;
+  curves.reserve(dipole.channels.size());
+  for (std::size_t c = 0; c < dipole.channels.size(); ++c)
+    curves.push_back(make_reflectance_curve(dipole, c));
+  field.knots_mm = place_knots(curves, support);
   const auto rows = std::make_shared<Rows>();
   rows->half_log.resize(field.row());
   for (std::size_t c = 0; c < 3; ++c) {
-    const DipoleCoefficients& medium = dipole.channels[std::min(c, dipole.channels.size() - 1)];
+    const ReflectanceCurve& curve = curves[std::min(c, curves.size() - 1)];
     for (std::size_t k = 0; k < field.knots(); ++k)
       rows->half_log[3 * k + c] = static_cast<float>(
-          0.5 * std::log(eval_dipole(medium, dipole.eta, static_cast<double>(field.knots_mm[k]))));
-    const Material single = Dipole{{medium}, dipole.eta};
-    rows->support.push_back(static_cast<float>(support_mm(single)));
+          0.5 * std::log(eval_curve(curve, static_cast<double>(field.knots_mm[k]))));
+    rows->support.push_back(static_cast<float>(support_of(curve)));
   }
   field.monotone = falls_everywhere(*rows, field.row());
   field.eval = [rows](double, double, float* half_log, float* supports) {

@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 
 #include "base/check.h"
+#include "material/slab_diffusion.h"
 #include "scene/read_parts_internal.h"
 
 namespace parian {
 namespace {
 
 constexpr double greatest_g = 0.99;
+constexpr double min_thickness_mm = 1e-3, max_thickness_mm = 1e4;
+constexpr std::size_t most_layers = 16;
 
 // A measured homogeneous material by name, in any case.
 const NamedMaterial* find_named(const std::string& name) {
@@ -29,18 +32,24 @@ Dipole read_named(const Document& node) {
   return {.channels = {named.channels.begin(), named.channels.end()}, .eta = named.eta};
 }
 
-Dipole read_coefficients(const Document& node) {
+std::vector<DipoleCoefficients> read_channels(const Document& node) {
   const auto sigma_a = read_three(get(node, "sigma_a"), 0, max_coefficient);
   std::array<double, 3> g{};
   if (const Document* cosine = find(node, "g")) g = read_three(*cosine, -greatest_g, greatest_g);
   const Document& scattering = get_one_of(node, {"sigma_s_prime", "sigma_s"});
   const bool is_reduced = find(node, "sigma_s_prime") != nullptr;
   const auto sigma_s = read_three(scattering, min_scattering, max_coefficient);
-  Dipole dipole;
+  std::vector<DipoleCoefficients> channels;
+  channels.reserve(3);
   for (std::size_t c = 0; c < 3; ++c)
-    dipole.channels.push_back({.sigma_a = sigma_a[c],
-                               .sigma_s_prime = is_reduced ? sigma_s[c] : (1 - g[c]) * sigma_s[c],
-                               .g = g[c]});
+    channels.push_back({.sigma_a = sigma_a[c],
+                        .sigma_s_prime = is_reduced ? sigma_s[c] : (1 - g[c]) * sigma_s[c],
+                        .g = g[c]});
+  return channels;
+}
+
+Dipole read_coefficients(const Document& node) {
+  Dipole dipole{.channels = read_channels(node)};
   if (const Document* eta = find(node, "eta")) dipole.eta = as_number(*eta, 1, 2.5);
   return dipole;
 }
@@ -51,9 +60,55 @@ const Document* find_any(const Document& node, std::initializer_list<const char*
   return nullptr;
 }
 
-Dipole with_single_scattering(const Document& node, Dipole dipole) {
+DiffusionModel read_model(const Document& node) {
+  const std::string& name = as_string(node);
+  if (name == "classic") return DiffusionModel::classic;
+  if (name == "better") return DiffusionModel::better;
+  if (name == "normalized") return DiffusionModel::normalized;
+  throw_unknown(node, {"classic", "better", "normalized"});
+}
+
+double read_thickness(const Document& node) {
+  return as_number(node, min_thickness_mm, max_thickness_mm);
+}
+
+// The slabs under the first, each with a thickness but for the last.
+std::vector<DipoleLayer> read_below(const Document& node) {
+  const std::size_t count = as_array(node).size();
+  if (count > most_layers)
+    throw_at(node, fmt::format("at most {} layers", most_layers), fmt::format("{}", count));
+  std::vector<DipoleLayer> layers;
+  layers.reserve(count);
+  for (const Document& layer : as_array(node)) {
+    check_keys(layer, {"sigma_a", "sigma_s_prime", "sigma_s", "g", "thickness_mm"});
+    layers.push_back({.channels = read_channels(layer)});
+    const Document* thickness = find(layer, "thickness_mm");
+    if (thickness == nullptr && layers.size() < count)
+      throw_at(layer, "the key 'thickness_mm' in all layers but the last", "none");
+    if (thickness != nullptr) layers.back().thickness_mm = read_thickness(*thickness);
+  }
+  return layers;
+}
+
+// What all homogeneous materials may have beside their coefficients.
+Dipole with_options(const Document& node, Dipole dipole) {
   if (const Document* single = find(node, "single_scattering"))
     dipole.single_scattering = as_bool(*single);
+  if (const Document* model = find(node, "model")) dipole.model = read_model(*model);
+  const Document* thickness = find(node, "thickness_mm");
+  if (thickness != nullptr) dipole.thickness_mm = read_thickness(*thickness);
+  if (const Document* below = find(node, "below")) {
+    if (thickness == nullptr) throw_at(*below, "the key 'thickness_mm' beside 'below'", "none");
+    dipole.below = read_below(*below);
+  }
+  if (thickness == nullptr) return dipole;
+  if (dipole.single_scattering)
+    throw_at(*thickness, "no 'thickness_mm' beside 'single_scattering'", "both");
+  try {
+    for (std::size_t c = 0; c < dipole.channels.size(); ++c) make_slab_stack(dipole, c);
+  } catch (const Error& error) {
+    throw_at(get(node, error.parts.place), error.parts.expected, error.parts.found);
+  }
   return dipole;
 }
 
@@ -62,11 +117,11 @@ Dipole with_single_scattering(const Document& node, Dipole dipole) {
 SurfaceMaterial read_material(const Document& node, const SceneLoaders& loaders,
                               std::string& name) {
   check_keys(node, {"file", "named", "sigma_a", "sigma_s_prime", "sigma_s", "g", "eta",
-                    "single_scattering"});
+                    "single_scattering", "model", "thickness_mm", "below"});
   if (find_any(node, {"sigma_a", "sigma_s_prime", "sigma_s"}) != nullptr &&
       find_any(node, {"file", "named"}) == nullptr) {
     name = "homogeneous";
-    return Material(with_single_scattering(node, read_coefficients(node)));
+    return Material(with_options(node, read_coefficients(node)));
   }
   const Document& source =
       get_one_of(node, {"file", "named", "sigma_a", "sigma_s_prime", "sigma_s"});
@@ -74,10 +129,11 @@ SurfaceMaterial read_material(const Document& node, const SceneLoaders& loaders,
     if (const Document* member = find(node, key))
       throw_at(*member, fmt::format("the key '{}' only beside 'sigma_a'", key), "it here");
   name = as_string(source);
-  if (find(node, "named") != nullptr)
-    return Material(with_single_scattering(node, read_named(source)));
-  if (const Document* single = find(node, "single_scattering"))
-    throw_at(*single, "the key 'single_scattering' only beside 'sigma_a' or 'named'", "it here");
+  if (find(node, "named") != nullptr) return Material(with_options(node, read_named(source)));
+  for (const char* key : {"single_scattering", "model", "thickness_mm", "below"})
+    if (const Document* member = find(node, key))
+      throw_at(*member, fmt::format("the key '{}' only beside 'sigma_a' or 'named'", key),
+               "it here");
   read_path(source);
   PARIAN_CHECK(loaders.load_material != nullptr);
   return loaders.load_material(name);

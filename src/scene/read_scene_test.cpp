@@ -212,6 +212,44 @@ TEST(ReadScene, HomogeneousMaterials) {
   EXPECT_EQ(error(object({{"file", "m.h5"}, {"single_scattering", true}})),
             "s.json: /material/single_scattering: expected the key 'single_scattering' only beside "
             "'sigma_a' or 'named', found it here");
+  const Scene skin = read_with(
+      "material",
+      object({{"named", "Skin1"},
+              {"model", "better"},
+              {"thickness_mm", 2},
+              {"below", Document::Array{object({{"sigma_a", 1}, {"sigma_s", 2}, {"g", 0.5}})}}}));
+  const auto& stack = std::get<Dipole>(std::get<Material>(skin.material));
+  EXPECT_EQ(stack.model, DiffusionModel::better);
+  EXPECT_EQ(stack.thickness_mm, 2);
+  ASSERT_EQ(stack.below.size(), 1u);
+  EXPECT_EQ(stack.below[0].thickness_mm, 0);
+  EXPECT_EQ(stack.below[0].channels[2].sigma_s_prime, 1);
+  EXPECT_EQ(error(object({{"named", "Marble"}, {"model", "beter"}})),
+            "s.json: /material/model: expected one of 'classic', 'better' or 'normalized', found the "
+            "string 'beter' (did you mean 'better'?)");
+  EXPECT_EQ(error(object({{"named", "Marble"}, {"thickness_mm", 0.1}})),
+            "s.json: /material/thickness_mm: expected more than one transport mean free path 1 / "
+            "(sigma_a + sigma_s') in all, found 0.219 of them");
+  EXPECT_EQ(error(object({{"named", "Marble"}, {"thickness_mm", 5}, {"model", "normalized"}})),
+            "s.json: /material/model: expected 'classic' or 'better' beside 'thickness_mm', found "
+            "'normalized', which has half-spaces only");
+  EXPECT_EQ(error(object({{"named", "Marble"}, {"thickness_mm", -1}})),
+            "s.json: /material/thickness_mm: expected a number in [0.001, 10000], found the number "
+            "-1");
+  EXPECT_EQ(error(object({{"named", "Marble"}, {"below", Document::Array{}}})),
+            "s.json: /material/below: expected the key 'thickness_mm' beside 'below', found none");
+  EXPECT_EQ(error(object({{"named", "Marble"},
+                          {"thickness_mm", 5},
+                          {"below", Document::Array{object({{"sigma_a", 1}, {"sigma_s", 1}}),
+                                                    object({{"sigma_a", 1}, {"sigma_s", 1}})}}})),
+            "s.json: /material/below/0: expected the key 'thickness_mm' in all layers but the "
+            "last, found none");
+  EXPECT_EQ(error(object({{"named", "Marble"}, {"thickness_mm", 5}, {"single_scattering", true}})),
+            "s.json: /material/thickness_mm: expected no 'thickness_mm' beside "
+            "'single_scattering', found both");
+  EXPECT_EQ(error(object({{"file", "m.h5"}, {"model", "better"}})),
+            "s.json: /material/model: expected the key 'model' only beside 'sigma_a' or 'named', "
+            "found it here");
   EXPECT_EQ(error(object({{"file", ""}})),
             "s.json: /material/file: expected a path, found an empty string");
 }

@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "base/parallel.h"
+#include "material/diffusion.h"
 #include "transport/half.h"
 #include "transport/irradiance.h"
 #include "transport/transport_kernels.h"
@@ -89,10 +90,10 @@ TransportCoefficients TransportProjection::fit(const Dipole& material) const {
   coefficients.multiple.resize(3 * multiple_size_);
   coefficients.single.resize(3 * single_size_);
   for (std::size_t c = 0; c < 3; ++c) {
-    const int channel = material.channels.size() == 1 ? 0 : static_cast<int>(c);
-    const DipoleCoefficients& medium = material.channels[static_cast<std::size_t>(channel)];
-    set_reflectance(coefficients, c,
-                    [&](double r) { return eval_dipole(medium, material.eta, r); });
+    const std::size_t channel = material.channels.size() == 1 ? 0 : c;
+    const DipoleCoefficients& medium = material.channels[channel];
+    const ReflectanceCurve curve = make_reflectance_curve(material, channel);
+    set_reflectance(coefficients, c, [&](double r) { return eval_curve(curve, r); });
     if (!material.single_scattering) continue;
     const double sigma_s = sigma_s_of(medium), sigma_t = sigma_s + medium.sigma_a;
     set_attenuation(coefficients, c, sigma_s, medium.g,

@@ -69,7 +69,7 @@ class Homogeneous(program.ProgramTest):
     def test_bad_sweeps(self):
         for text, message in (
                 ("sigma_s", "expected NAME=FIRST:LAST:COUNT, as sigma_s=0.3:4:30, found 'sigma_s'"),
-                ("sigma_t=1:2:3", "expected sigma_a, sigma_s, sigma_s_prime or g, found 'sigma_t' "
+                ("sigma_t=1:2:3", "expected sigma_a, sigma_s, sigma_s_prime, g or thickness_mm, found 'sigma_t' "
                                   "(did you mean 'sigma_a'?)"),
                 ("sigma_s=0:2:3", "expected numbers in [1e-06, 1000] for sigma_s, found '0'"),
                 ("g=0:1:3", "expected numbers in [-0.99, 0.99] for g, found '1'"),

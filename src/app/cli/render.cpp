@@ -147,6 +147,9 @@ FrameSource make_frames(Scene& scene, const RenderOptions& options, const Contex
 void render_sweep(const Scene& scene, const FrameSource& frames, const Sweep& sweep,
                   const RenderOptions& options, const Context& context) {
   const Dipole own = get_dipole(scene, "--sweep");
+  if (sweep.name == "thickness_mm" && own.single_scattering)
+    throw Error({{}, "--sweep", "a material without single_scattering for thickness_mm", "it"},
+                ErrorKind::usage);
   const bool is_sequence = options.output.find('#') != std::string::npos;
   std::vector<Image> pictures;
   Document::Array figures;
@@ -217,7 +220,7 @@ CommandSpec make_render_command() {
       {"transport", 0, "TRANSPORT.h5",
        "of 'parian precompute' for this scene: homogeneous materials at once", &options->transport},
       {"sweep", 0, "NAME=FIRST:LAST:COUNT",
-       "sigma_a, sigma_s, sigma_s_prime or g over a range: a contact sheet, or a "
+       "sigma_a, sigma_s, sigma_s_prime, g or thickness_mm over a range: a contact sheet, or a "
        "picture for each value where the output's name has '#'",
        &options->sweep}};
   command.params = describe(options->params);

@@ -22,7 +22,8 @@ struct Coefficient {
 constexpr Coefficient coefficients[] = {{"sigma_a", 0, 1000},
                                         {"sigma_s", 1e-6, 1000},
                                         {"sigma_s_prime", 1e-6, 1000},
-                                        {"g", -0.99, 0.99}};
+                                        {"g", -0.99, 0.99},
+                                        {"thickness_mm", 1e-3, 1e4}};
 
 [[noreturn]] void fail(const std::string& expected, const std::string& found) {
   throw Error({{}, "--sweep", expected, found}, ErrorKind::usage);
@@ -47,7 +48,7 @@ const Coefficient& find_coefficient(const std::string& name) {
   }
   const std::string nearest = nearest_name(name, known);
   fail(
-      "sigma_a, sigma_s, sigma_s_prime or g",
+      "sigma_a, sigma_s, sigma_s_prime, g or thickness_mm",
       nearest.empty() ? "'" + name + "'" : fmt::format("'{}' (did you mean '{}'?)", name, nearest));
 }
 
@@ -77,6 +78,7 @@ Sweep parse_sweep(const std::string& text) {
 }
 
 Dipole set_coefficient(Dipole material, const std::string& name, double value) {
+  if (name == "thickness_mm") material.thickness_mm = value;
   for (DipoleCoefficients& medium : material.channels) {
     const double sigma_s = sigma_s_of(medium);
     if (name == "sigma_a") medium.sigma_a = value;
