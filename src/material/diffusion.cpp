@@ -5,13 +5,13 @@
 #include <numbers>
 
 #include "base/check.h"
-#include "material/profile_map.h"
 #include "material/slab_diffusion.h"
 
 namespace parian {
 namespace {
 
 constexpr double pi = std::numbers::pi;
+constexpr double tail_part = 1e-3;
 
 // Unpolarised, from a medium of relative index eta inside, mu its cosine there and t outside.
 double reflect(double eta, double mu, double t) {
@@ -81,16 +81,6 @@ double total(const TabulatedCurve& curve) {
   return curve.total;
 }
 
-double level(const PoleSum& sum) {
-  return eval(sum, 0);
-}
-double level(const NormalizedDiffusion& curve) {
-  return eval(curve, 25 * curve.centre_mm);
-}
-double level(const TabulatedCurve& curve) {
-  return eval(curve, 0);
-}
-
 }  // namespace
 
 FresnelMoments fresnel_moments(double eta) {
@@ -156,16 +146,16 @@ double total_of(const ReflectanceCurve& curve) {
 }
 
 double support_of(const ReflectanceCurve& curve) {
-  // By bisection: curves fall.
-  const double least =
-      support_threshold * std::visit([](const auto& made) { return level(made); }, curve);
-  double low = 0, high = 1e-3;
-  while (eval_curve(curve, high) > least && high < 1e6) high *= 2;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (eval_curve(curve, middle) > least ? low : high) = middle;
+  // Inwards over rings of r = e^t, until they hold the part that may be left out.
+  const double enough = tail_part * total_of(curve);
+  if (!(enough > 0)) return 0;
+  constexpr double step = 0.01, first = 16;
+  double tail = 0, t = first;
+  for (; t > -first && tail < enough; t -= step) {
+    const double r = std::exp(t);
+    tail += 2 * pi * r * r * step * eval_curve(curve, r);
   }
-  return high;
+  return std::exp(t);
 }
 
 }  // namespace parian

@@ -70,8 +70,8 @@ ReflectanceCurve make_reflectance_curve(const Dipole& material, std::size_t chan
 double eval_curve(const ReflectanceCurve& curve, double r_mm);
 // 2 pi int R_d r dr
 double total_of(const ReflectanceCurve& curve);
-// Where R_d falls to support_threshold (profile_map.h) of R_d(0), or of R_d(l / 4) where R_d(0) is
-// infinite.
+// Beyond it lies 1e-3 of the total: R_d falls slowly where little is absorbed, and cut at 1e-4 of
+// R_d(0) it would lose 3 % and more.
 double support_of(const ReflectanceCurve& curve);
 
 }  // namespace parian

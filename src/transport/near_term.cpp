@@ -11,9 +11,8 @@ namespace parian {
 namespace {
 
 constexpr std::size_t block_values = 3 * lanes;
-// Part of I that is spread evenly over the near samples whatever the profile: what is left of the
-// weights when the profile is narrower than the spacing.
-constexpr double even_part = 1e-3;
+constexpr double mean_spacings = 2.5;
+constexpr double few = 2, enough = 8;
 
 // Gauss-Legendre on [0, 1].
 constexpr std::array<double, 6> gauss_x{0.033765242898424, 0.169395306766868, 0.380690406958402,
@@ -29,9 +28,9 @@ double near_weight(double r, double near_mm) {
 // Sums over the samples near each target.
 struct NearSums {
   std::array<double, block_values> scattered{};  // S
-  std::array<double, block_values> even{};       // sum of w flux
   std::array<double, block_values> weight{};     // W
-  std::array<double, lanes> area{};              // sum of w area
+  std::array<double, block_values> flux{};       // by a weight of the mean's own,
+  std::array<double, lanes> area{};              // and area
 };
 
 struct Chunk {
@@ -41,13 +40,14 @@ struct Chunk {
 
 // What one sample adds to one target.
 void add_pair(const NearSamples& samples, std::uint32_t id, const Chunk& chunk, std::size_t i,
-              std::size_t lane, const TargetBlock& block, double near_mm, NearSums& near,
-              double* sum) {
-  const double w = near_weight(static_cast<double>(chunk.r[i * lanes + lane]), near_mm);
+              std::size_t lane, const TargetBlock& block, double near_mm, double mean_mm,
+              NearSums& near, double* sum) {
+  const auto r = static_cast<double>(chunk.r[i * lanes + lane]);
+  const double w = near_weight(r, near_mm), of_mean = near_weight(r, mean_mm);
   const bool same_side = w > 0 && dot(samples.normal[id], block.normal[lane]) > 0;
   const Rgb& flux = samples.flux[id];
   const double power[3] = {flux.x, flux.y, flux.z};
-  if (same_side) near.area[lane] += w * samples.area_mm2;
+  if (same_side) near.area[lane] += of_mean * samples.area_mm2;
   for (std::size_t c = 0; c < 3; ++c) {
     const std::size_t from = (i * 3 + c) * lanes + lane, to = c * lanes + lane;
     const auto value = static_cast<double>(chunk.value[from]);
@@ -57,22 +57,22 @@ void add_pair(const NearSamples& samples, std::uint32_t id, const Chunk& chunk, 
     }
     sum[to] += value * (1 - w);
     near.scattered[to] += value * w;
-    near.even[to] += w * power[c];
+    near.flux[to] += of_mean * power[c];
     near.weight[to] += static_cast<double>(chunk.target[from]) * w * samples.area_mm2;
   }
 }
 
-// S I / W, with the even part mixed in.
-void finish_near(const NearSums& near, const NearIntegrals& integrals, double near_mm,
-                 double area_mm2, double* sum) {
-  const double disc = std::numbers::pi * near_mm * near_mm / 3;  // int w dA
+// S I / W as far as it is trusted, for the rest I times the mean irradiance.
+void finish_near(const NearSums& near, const NearIntegrals& integrals, double area_mm2,
+                 double* sum) {
   for (std::size_t j = 0; j < block_values; ++j) {
-    const double integral = integrals.weight[j];
-    const double even = even_part * integral / disc;
-    const double weight = near.weight[j] + even * near.area[j % lanes];
-    if (!(weight > 0)) continue;
-    const double scale = near_scale(weight, integral, integrals.square[j], area_mm2);
-    sum[j] += scale * (near.scattered[j] + even * near.even[j]);
+    const double integral = integrals.weight[j], square = integrals.square[j];
+    const double weight = near.weight[j], area = near.area[j % lanes];
+    if (!(square > 0)) continue;
+    const double trust = area > 0 ? near_trust(integral * integral / (area_mm2 * square)) : 1;
+    if (trust > 0 && weight > 0)
+      sum[j] += trust * near_scale(weight, integral, square, area_mm2) * near.scattered[j];
+    if (trust < 1) sum[j] += (1 - trust) * integral * near.flux[j] / area;
   }
 }
 
@@ -82,6 +82,15 @@ double near_scale(double weight, double integral, double square, double area_mm2
   const double others = integral * integral / (square * area_mm2) - 1;
   const double limit = others > 0 ? 1 + 2 / others : 1e300;
   return std::clamp(integral / weight, 1 / limit, limit);
+}
+
+double near_trust(double n) {
+  const double u = std::clamp((n - few) / (enough - few), 0.0, 1.0);
+  return u * u * (3 - 2 * u);
+}
+
+double near_mean_mm(double area_mm2) {
+  return mean_spacings * std::sqrt(area_mm2);
 }
 
 NearIntegrals integrate_near(const TargetBlock& block, const std::vector<float>& knots,
@@ -113,6 +122,7 @@ void add_near(const EmitterView& emitters, const KnotView& lookup, const NearSam
               const std::vector<std::uint32_t>& ids, const TargetBlock& block,
               const std::vector<float>& knots, double near_mm, double* sum) {
   const BlockView targets = view(block);
+  const double mean_mm = near_mean_mm(samples.area_mm2);
   Chunk chunk;
   NearSums near;
   for (std::size_t begin = 0; begin < ids.size(); begin += gather_chunk) {
@@ -125,9 +135,9 @@ void add_near(const EmitterView& emitters, const KnotView& lookup, const NearSam
     exp_array(chunk.target.data(), chunk.target.data(), count * block_values);
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t lane = 0; lane < lanes; ++lane)
-        add_pair(samples, ids[begin + i], chunk, i, lane, block, near_mm, near, sum);
+        add_pair(samples, ids[begin + i], chunk, i, lane, block, near_mm, mean_mm, near, sum);
   }
-  finish_near(near, integrate_near(block, knots, near_mm), near_mm, samples.area_mm2, sum);
+  finish_near(near, integrate_near(block, knots, near_mm), samples.area_mm2, sum);
 }
 
 }  // namespace parian

@@ -1,5 +1,5 @@
 // The near term of gather.h: samples around a target, with the kernel scaled so that it keeps its
-// integral.
+// integral, and the mean irradiance in place of samples where too few carry it.
 #pragma once
 
 #include <array>
@@ -35,5 +35,11 @@ void add_near(const EmitterView& emitters, const KnotView& lookup, const NearSam
 // of samples that carry the integral: many samples miss it by little; what they miss by more is no
 // noise but a surface that is no plane.
 double near_scale(double weight, double integral, double square, double area_mm2);
+
+// How far the sum over n samples is trusted, 0 to 1: functions that fewer than 2 samples carry get
+// their integral times the mean irradiance around instead, those of 8 or more the sum alone.
+double near_trust(double n);
+// The mean is taken over about 20 samples, weighted towards the nearest.
+double near_mean_mm(double area_mm2);
 
 }  // namespace parian

@@ -4,16 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "transport/near_term.h"
+
 namespace parian {
-namespace {
-
-// The mean is taken over about 20 samples, weighted towards the nearest.
-constexpr double mean_spacings = 2.5;
-// Functions that see fewer samples are all mean, those that see more all sum.
-constexpr double few = 2, enough = 8;
-
-}  // namespace
-
 NearTerm make_near_term(const SplineBasis& basis, double near_mm, double area_mm2) {
   NearTerm term;
   term.integral.assign(basis.size(), 0);
@@ -21,7 +14,7 @@ NearTerm make_near_term(const SplineBasis& basis, double near_mm, double area_mm
   term.most.assign(basis.size(), 1);
   if (!(near_mm > 0)) return term;
   term.radius_mm = static_cast<float>(near_mm);
-  term.mean_mm = static_cast<float>(mean_spacings * std::sqrt(area_mm2));
+  term.mean_mm = static_cast<float>(near_mean_mm(area_mm2));
   std::vector<double> square(basis.size(), 0);
   // Midpoints within each knot interval, so that kinks do no harm.
   constexpr int steps = 64;
@@ -43,8 +36,7 @@ NearTerm make_near_term(const SplineBasis& basis, double near_mm, double area_mm
     if (!(square[j] > 0)) continue;
     // How many samples carry the integral, as near_scale (near_term.h).
     const double n = term.integral[j] * term.integral[j] / (area_mm2 * square[j]);
-    const double u = std::clamp((n - few) / (enough - few), 0.0, 1.0);
-    term.trust[j] = u * u * (3 - 2 * u);
+    term.trust[j] = near_trust(n);
     term.most[j] = 1 + 2 / std::max(n - 1, 0.5);
   }
   return term;
