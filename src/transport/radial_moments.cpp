@@ -6,6 +6,7 @@
 #include "base/check.h"
 #include "base/parallel.h"
 #include "transport/interval_table.h"
+#include "transport/radial_bound.h"
 #include "transport/radial_near.h"
 #include "transport/radial_nodes.h"
 #include "transport/target_block.h"
@@ -18,6 +19,7 @@ struct Emission {
   std::array<std::vector<float>, node_fields> node;
   AlignedVector<Flux> node_flux;
   AlignedVector<ChannelOffsets> node_offset;
+  std::vector<std::uint32_t> node_id;
   std::array<std::vector<float>, 3> sample;
   AlignedVector<Flux> sample_flux;  // and area
   std::vector<Vec3> sample_normal;
@@ -27,6 +29,7 @@ struct Emission {
     for (auto& field : sample) field.clear();
     node_flux.clear();
     node_offset.clear();
+    node_id.clear();
     sample_flux.clear();
     sample_normal.clear();
   }
@@ -72,11 +75,13 @@ struct Work {
   IntervalTable table;
   NearTerm near;
   float opening;
+  const BasisPeaks* peaks;  // null: nothing is certified
 
   void add_node(std::size_t node, Emission& out) const {
     for (std::size_t f = 0; f < node_fields; ++f) out.node[f].push_back(nodes.field[f][node]);
     out.node_flux.push_back(nodes.flux[node]);
     out.node_offset.push_back(nodes.offset[node]);
+    out.node_id.push_back(static_cast<std::uint32_t>(node));
   }
 
   void add_samples(const SourceNode& node, Emission& out) const {
@@ -131,6 +136,22 @@ struct Work {
               table.degree, buffers.near.data(), buffers.far.data());
   }
 
+  // After see_nodes, of whose points the ranges are widened.
+  void bound_nodes(Vec3 target, const Buffers& buffers, float* bound) const {
+    const Emission& seen = buffers.emission;
+    std::vector<double> ranges(table.functions);
+    for (std::size_t i = 0; i < seen.node_id.size(); ++i) {
+      const Bounds3& box = nodes.tree.nodes[seen.node_id[i]].box;
+      const auto [nearest, farthest] = distance_range(target, box);
+      find_ranges(*peaks, std::min(nearest, buffers.values[0][i]),
+                  std::max(farthest, buffers.values[1][i]), ranges);
+      for (std::size_t j = 0; j < table.functions; ++j)
+        for (std::size_t c = 0; c < 3; ++c)
+          bound[3 * j + c] +=
+              static_cast<float>(ranges[j]) * seen.node_flux[i][static_cast<long>(c)];
+    }
+  }
+
   void see_samples(const float* at, Vec3 normal, Buffers& buffers) const {
     const Emission& seen = buffers.emission;
     const float* position[3] = {seen.sample[0].data(), seen.sample[1].data(),
@@ -153,7 +174,8 @@ struct Work {
     }
   }
 
-  void run(std::size_t index, Buffers& buffers, float* out) const {
+  // `bound` may be null.
+  void run(std::size_t index, Buffers& buffers, float* out, float* bound) const {
     const GatherPoint& target = targets[index];
     const float at[3] = {target.position.x, target.position.y, target.position.z};
     buffers.far.clear();
@@ -161,6 +183,7 @@ struct Work {
     buffers.own.clear();
     buffers.near_sums.mean = Flux{};
     see_nodes(at, buffers);
+    if (bound != nullptr) bound_nodes(target.position, buffers, bound);
     see_samples(at, target.normal, buffers);
     buffers.functions.assign(table.functions, Flux{});
     add_functions(table, buffers.near, buffers.functions.data());
@@ -195,12 +218,15 @@ RadialMoments compute_radial_moments(const SplineBasis& basis, const GatherSourc
   RadialMoments moments;
   moments.value.assign(targets.size() * basis.size() * 3, 0.0f);
   if (targets.empty() || sources.points.empty()) return moments;
+  const BasisPeaks peaks = params.certify ? find_peaks(basis) : BasisPeaks{};
   const Work work{sources,
                   targets,
                   make_radial_nodes(sources),
                   make_interval_table(basis),
                   make_near_term(basis, near_mm, sources.area_mm2),
-                  static_cast<float>(params.opening)};
+                  static_cast<float>(params.opening),
+                  params.certify ? &peaks : nullptr};
+  if (params.certify) moments.bound.assign(moments.value.size(), 0.0f);
   const std::vector<std::uint32_t> order = order_targets(targets);
   constexpr std::size_t together = static_cast<std::size_t>(lanes), batch = 32 * together;
   std::vector<double> evaluated((order.size() + batch - 1) / batch, 0.0);
@@ -221,7 +247,8 @@ RadialMoments compute_radial_moments(const SplineBasis& basis, const GatherSourc
             static_cast<double>(buffers.emission.node_flux.size() +
                                 buffers.emission.sample_flux.size());
         for (std::size_t k = i; k < last; ++k)
-          work.run(order[k], buffers, &moments.value[order[k] * basis.size() * 3]);
+          work.run(order[k], buffers, &moments.value[order[k] * basis.size() * 3],
+                   params.certify ? &moments.bound[order[k] * basis.size() * 3] : nullptr);
       }
     });
   }

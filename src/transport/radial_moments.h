@@ -7,7 +7,9 @@
 // (from centroid and covariance, to third order in size / distance): half the flux goes to mean
 // minus and half to mean plus one standard deviation. That two-point rule is exact for cubic curves
 // of distance, so what is left of a curve that falls like r^-p is at most of the order of
-// p^4 (size / distance)^4 / 400 of the node's own part, and less as nodes differ.
+// p^4 (size / distance)^4 / 400 of the node's own part, and less as nodes differ. Certified is
+// less: distances and both points lie in the range of the node's box, so T_j is off by no more than
+// the sum over nodes of flux (max B_j - min B_j) over that range.
 //
 // Near term. Functions near 0 are narrower than the samples' spacing, where a plain sum aliases. As
 // in gather.h, B_j = B_j w + B_j (1 - w), w = 1 up to near_mm / 2 and 0 from near_mm; the part B_j
@@ -28,11 +30,13 @@ namespace parian {
 
 struct RadialMomentParams {
   double opening = 0.5;  // 0: every sample by itself
+  bool certify = false;  // fill RadialMoments::bound; not a flag of commands
 };
 ParamList describe(RadialMomentParams& params);
 
 struct RadialMoments {
   std::vector<float> value;     // [target][function][channel]; W where flux is in W
+  std::vector<float> bound;     // likewise, of |T_j - T_j by every sample| but for rounding
   double nodes_per_target = 0;  // nodes and samples that were evaluated
 };
 

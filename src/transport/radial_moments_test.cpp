@@ -92,6 +92,32 @@ TEST(RadialMoments, OpeningNothingIsTheSum) {
   }
 }
 
+TEST(RadialMoments, HierarchyStaysWithinItsCertifiedBound) {
+  const GatherSources sources = make_sphere_sources(8000, 20);
+  const std::vector<GatherPoint> targets = make_sphere_points(60, 20, 0.3);
+  const double near = default_near_mm(sources.area_mm2);
+  for (const int degree : {1, 2}) {
+    const SplineBasis basis = make_reflectance_basis(30, 1.3, {16, degree, KnotChoice::balanced});
+    const RadialMoments exact =
+        compute_radial_moments(basis, sources, targets, near, {.opening = 0, .certify = true});
+    EXPECT_EQ(*std::max_element(exact.bound.begin(), exact.bound.end()), 0.0f);
+    float last = 0;
+    for (const double opening : {0.25, 0.5, 1.0}) {
+      const RadialMoments moments = compute_radial_moments(basis, sources, targets, near,
+                                                           {.opening = opening, .certify = true});
+      float largest = 0;
+      for (std::size_t i = 0; i < moments.value.size(); ++i) {
+        EXPECT_LE(std::abs(moments.value[i] - exact.value[i]),
+                  1.00001f * moments.bound[i] + 1e-5f * exact.value[i])
+            << i;
+        largest = std::max(largest, moments.bound[i]);
+      }
+      EXPECT_GT(largest, last);
+      last = largest;
+    }
+  }
+}
+
 TEST(RadialMoments, HierarchyKeepsExitance) {
   const GatherSources sources = make_sphere_sources(20000, 20);
   const std::vector<GatherPoint> targets = make_sphere_points(60, 20, 0.3);
