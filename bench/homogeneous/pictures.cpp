@@ -55,6 +55,25 @@ double relative_error(const Image& a, const Image& b) {
   return sum / total;
 }
 
+// Light that leaves where it came in: the same albedo, all lengths a hundred times shorter.
+Image show_as_brdf(Scene scene, const RayTracer& tracer, Dipole material, bool only_single) {
+  for (DipoleCoefficients& medium : material.channels) {
+    medium.sigma_a *= 100;
+    medium.sigma_s_prime *= 100;
+  }
+  material.single_scattering = only_single;
+  scene.material = Material(material);
+  PrecomputeParams params;
+  params.multiple_intervals = params.single_intervals = 64;
+  params.single = only_single;
+  params.samples = 100000;
+  Precompute work(scene, tracer, params);
+  work.advance();
+  HomogeneousTransport transport = work.transport();
+  if (only_single) transport.lights[0].multiple = {};
+  return TransportRenderer(scene, transport).render(material).image;
+}
+
 // Fewer and fewer intervals, in the paper's count of coefficients, beside 64 intervals.
 void show_series(const Page& page, const std::string& name, const Dipole& material,
                  const std::vector<int>& intervals, bool only_single) {
@@ -86,6 +105,7 @@ void show_series(const Page& page, const std::string& name, const Dipole& materi
                           show(pictures.back()), show(picture(count, KnotChoice::published))});
   }
   pictures.push_back(many);
+  pictures.push_back(show_as_brdf(scene, tracer, material, only_single));
   write_picture(page, name, beside(pictures));
   write_table(page, name, "Mean error of the picture over its mean.", table);
 }

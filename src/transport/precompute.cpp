@@ -177,7 +177,11 @@ Precompute::Precompute(const Scene& scene, const RayTracer& tracer, const Precom
 void Precompute::advance(const Progress& progress) {
   if (is_done()) return;
   const std::size_t index = lights_done();
-  const Light& light = scene_.lights[index];
+  transport_.lights.push_back(compute(index, scene_.lights[index], progress));
+}
+
+LightTransport Precompute::compute(std::size_t index, const Light& light,
+                                   const Progress& progress) {
   LightTransport made;
   made.name = light_name(scene_, index);
 
@@ -212,7 +216,7 @@ void Precompute::advance(const Progress& progress) {
     made.single = pack_transport(value, transport_.single_basis.size(), single_components);
     report_.single_s += lap();
   }
-  transport_.lights.push_back(std::move(made));
+  return made;
 }
 
 HomogeneousTransport precompute_transport(const Scene& scene, const PrecomputeParams& params,

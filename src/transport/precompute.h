@@ -63,6 +63,8 @@ class Precompute {
   std::size_t lights_done() const { return transport_.lights.size(); }
   // The next light. What is there stays whole when it throws, also on cancellation.
   void advance(const Progress& progress = {});
+  // Any light over the same mesh, under the name of `index`; nothing is kept.
+  LightTransport compute(std::size_t index, const Light& light, const Progress& progress = {});
   const HomogeneousTransport& transport() const { return transport_; }
   const PrecomputeReport& report() const { return report_; }
 
