@@ -12,6 +12,8 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double tail_part = 1e-3;
+// Rings of r = e^t for sums over a curve.
+constexpr double log_step = 0.01, log_reach = 16;
 
 // Unpolarised, from a medium of relative index eta inside, mu its cosine there and t outside.
 double reflect(double eta, double mu, double t) {
@@ -81,6 +83,11 @@ double total(const TabulatedCurve& curve) {
   return curve.total;
 }
 
+double eval_ring(const ReflectanceCurve& curve, double t) {
+  const double r = std::exp(t);
+  return 2 * pi * r * r * log_step * eval_curve(curve, r);
+}
+
 }  // namespace
 
 FresnelMoments fresnel_moments(double eta) {
@@ -128,33 +135,35 @@ DiffusionMedium make_diffusion_medium(const DipoleCoefficients& medium, double e
 ReflectanceCurve make_reflectance_curve(const Dipole& material, std::size_t channel) {
   PARIAN_CHECK(channel < material.channels.size());
   const DipoleCoefficients& top = material.channels[channel];
+  const CurveGain& gain = material.reflectance_gain;
   if (material.thickness_mm > 0 || !material.below.empty())
-    return tabulate_reflectance(make_slab_stack(material, channel));
-  if (!(top.sigma_s_prime > 0)) return PoleSum{};
+    return {tabulate_reflectance(make_slab_stack(material, channel)), gain};
+  if (!(top.sigma_s_prime > 0)) return {PoleSum{}, gain};
   if (material.model != DiffusionModel::normalized)
-    return make_poles(make_diffusion_medium(top, material.eta, material.model));
+    return {make_poles(make_diffusion_medium(top, material.eta, material.model)), gain};
   const DiffusionMedium better = make_diffusion_medium(top, material.eta, DiffusionModel::better);
-  return make_normalized(total(make_poles(better)), better.mean_free_path_mm);
+  return {make_normalized(total(make_poles(better)), better.mean_free_path_mm), gain};
 }
 
 double eval_curve(const ReflectanceCurve& curve, double r_mm) {
-  return std::visit([&](const auto& made) { return eval(made, r_mm); }, curve);
+  return eval_gain(curve.gain, r_mm) *
+         std::visit([&](const auto& made) { return eval(made, r_mm); }, curve.model);
 }
 
 double total_of(const ReflectanceCurve& curve) {
-  return std::visit([](const auto& made) { return total(made); }, curve);
+  if (curve.gain.empty())
+    return std::visit([](const auto& made) { return total(made); }, curve.model);
+  double sum = 0;
+  for (double t = -log_reach; t < log_reach; t += log_step) sum += eval_ring(curve, t);
+  return sum;
 }
 
 double support_of(const ReflectanceCurve& curve) {
-  // Inwards over rings of r = e^t, until they hold the part that may be left out.
+  // Inwards, until the rings hold the part that may be left out.
   const double enough = tail_part * total_of(curve);
   if (!(enough > 0)) return 0;
-  constexpr double step = 0.01, first = 16;
-  double tail = 0, t = first;
-  for (; t > -first && tail < enough; t -= step) {
-    const double r = std::exp(t);
-    tail += 2 * pi * r * r * step * eval_curve(curve, r);
-  }
+  double tail = 0, t = log_reach;
+  for (; t > -log_reach && tail < enough; t -= log_step) tail += eval_ring(curve, t);
   return std::exp(t);
 }
 

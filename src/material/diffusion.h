@@ -61,14 +61,17 @@ struct TabulatedCurve {
   double tail_slope = 0;  // d ln R / dr beyond, 1/mm
 };
 
-using ReflectanceCurve = std::variant<PoleSum, NormalizedDiffusion, TabulatedCurve>;
+struct ReflectanceCurve {
+  std::variant<PoleSum, NormalizedDiffusion, TabulatedCurve> model;
+  CurveGain gain = {};
+};
 
 // Channel c of the material. Throws Error where a stack is thinner than one transport mean free
 // path, or normalised diffusion is asked for a stack.
 ReflectanceCurve make_reflectance_curve(const Dipole& material, std::size_t channel);
 // Per area, in 1/mm^2.
 double eval_curve(const ReflectanceCurve& curve, double r_mm);
-// 2 pi int R_d r dr
+// 2 pi int R_d r dr; to 1e-4 where the curve was edited.
 double total_of(const ReflectanceCurve& curve);
 // Beyond it lies 1e-3 of the total: R_d falls slowly where little is absorbed, and cut at 1e-4 of
 // R_d(0) it would lose 3 % and more.

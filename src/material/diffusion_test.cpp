@@ -128,6 +128,20 @@ TEST(Diffusion, CurvesAreFiniteAndFall) {
     }
 }
 
+TEST(Diffusion, EditedCurvesAreTheModelTimesTheirGain) {
+  Dipole material = make_material({0.03, 1.7}, DiffusionModel::better);
+  const auto plain = make_reflectance_curve(material, 0);
+  material.reflectance_gain = {{1, 1}, {3, 2}};
+  const auto edited = make_reflectance_curve(material, 0);
+  EXPECT_EQ(eval_curve(edited, 0.5), eval_curve(plain, 0.5));
+  EXPECT_NEAR(eval_curve(edited, 2), 1.5 * eval_curve(plain, 2), 1e-14);
+  EXPECT_EQ(eval_curve(edited, 9), 2 * eval_curve(plain, 9));
+  EXPECT_NEAR(integrate(edited, 0.5), total_of(edited), 1e-4 * total_of(edited));
+  EXPECT_GT(total_of(edited), total_of(plain));
+  material.reflectance_gain = {{0, 3}};
+  EXPECT_NEAR(total_of(make_reflectance_curve(material, 0)), 3 * total_of(plain), 1e-4);
+}
+
 // sigma in 1/mm and r in mm: R(k sigma, r / k) = k^2 R(sigma, r).
 TEST(Diffusion, UnitsScale) {
   for (const auto model : {DiffusionModel::better, DiffusionModel::normalized}) {
@@ -187,8 +201,8 @@ TEST(Slab, TotalsMatchQuadrature) {
   const SlabStack stack =
       make_slab_stack(make_material({0.05, 2}, DiffusionModel::better, 1.4, 2), 0);
   const TabulatedCurve back = tabulate_reflectance(stack), on = tabulate_transmittance(stack);
-  EXPECT_NEAR(integrate(back, 0.5), back.total, 1e-5 * back.total);
-  EXPECT_NEAR(integrate(on, 0.5), on.total, 1e-5 * on.total);
+  EXPECT_NEAR(integrate({back}, 0.5), back.total, 1e-5 * back.total);
+  EXPECT_NEAR(integrate({on}, 0.5), on.total, 1e-5 * on.total);
 }
 
 TEST(Slab, ThickOnesAreHalfSpaces) {

@@ -1,5 +1,6 @@
 #include "material/dipole.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,6 +14,16 @@ double fresnel_diffuse_reflectance(double eta) {
 double dipole_boundary_factor(double eta) {
   const double F_dr = fresnel_diffuse_reflectance(eta);
   return (1 + F_dr) / (1 - F_dr);
+}
+
+double eval_gain(const CurveGain& gain, double mm) {
+  if (gain.empty()) return 1;
+  const auto after = std::find_if(gain.begin(), gain.end(),
+                                  [mm](const CurvePoint& point) { return point.mm > mm; });
+  if (after == gain.begin()) return gain.front().factor;
+  if (after == gain.end()) return gain.back().factor;
+  const CurvePoint &a = *(after - 1), &b = *after;
+  return a.factor + (mm - a.mm) / (b.mm - a.mm) * (b.factor - a.factor);
 }
 
 // Xu et al. 2007, Eq. 4 and Table 1; z_v is the height of the virtual source, positive.

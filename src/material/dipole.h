@@ -28,6 +28,13 @@ struct DipoleLayer {
   double thickness_mm = 0;                   // 0: without end, only as the last
 };
 
+// A curve that was edited by hand: factors at increasing lengths, linear between, constant beyond.
+struct CurvePoint {
+  double mm = 0, factor = 1;
+};
+using CurveGain = std::vector<CurvePoint>;  // empty: 1 everywhere
+double eval_gain(const CurveGain& gain, double mm);
+
 // A homogeneous half-space or a slab, or a stack of slabs of one refractive index, lit from above.
 struct Dipole {
   std::vector<DipoleCoefficients> channels;  // 1, or 3: linear Rec. 709
@@ -36,6 +43,8 @@ struct Dipole {
   DiffusionModel model = DiffusionModel::classic;
   double thickness_mm = 0;  // 0: without end
   std::vector<DipoleLayer> below = {};
+  CurveGain reflectance_gain = {};  // of R_d over r, all channels
+  CurveGain attenuation_gain = {};  // of E = e^(-sigma_t s) over s (Xu et al., Eq. 6)
 };
 
 // sigma_s = sigma_s' / (1 - g)

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double greatest_g = 0.99;
 constexpr double min_thickness_mm = 1e-3, max_thickness_mm = 1e4;
-constexpr std::size_t most_layers = 16;
+constexpr std::size_t most_layers = 16, most_points = 256;
 
 // A measured homogeneous material by name, in any case.
 const NamedMaterial* find_named(const std::string& name) {
@@ -90,11 +90,33 @@ std::vector<DipoleLayer> read_below(const Document& node) {
   return layers;
 }
 
+// [[mm, factor], ...]
+CurveGain read_gain(const Document& node) {
+  const std::size_t count = as_array(node).size();
+  if (count < 1 || count > most_points)
+    throw_at(node, fmt::format("1 to {} points", most_points), fmt::format("{}", count));
+  CurveGain gain;
+  gain.reserve(count);
+  for (const Document& point : as_array(node)) {
+    const Document::Array& pair = as_array(point);
+    if (pair.size() != 2)
+      throw_at(point, "a pair [mm, factor]", fmt::format("an array of {}", pair.size()));
+    gain.push_back({as_number(pair[0], 0, max_length_mm), as_number(pair[1], 1e-6, 1e6)});
+    if (gain.size() > 1 && !(gain.back().mm > gain[gain.size() - 2].mm))
+      throw_at(pair[0], "lengths that increase", fmt::format("{}", gain.back().mm));
+  }
+  return gain;
+}
+
 // What all homogeneous materials may have beside their coefficients.
 Dipole with_options(const Document& node, Dipole dipole) {
   if (const Document* single = find(node, "single_scattering"))
     dipole.single_scattering = as_bool(*single);
   if (const Document* model = find(node, "model")) dipole.model = read_model(*model);
+  if (const Document* gain = find(node, "reflectance_gain"))
+    dipole.reflectance_gain = read_gain(*gain);
+  if (const Document* gain = find(node, "attenuation_gain"))
+    dipole.attenuation_gain = read_gain(*gain);
   const Document* thickness = find(node, "thickness_mm");
   if (thickness != nullptr) dipole.thickness_mm = read_thickness(*thickness);
   if (const Document* below = find(node, "below")) {
@@ -117,7 +139,8 @@ Dipole with_options(const Document& node, Dipole dipole) {
 SurfaceMaterial read_material(const Document& node, const SceneLoaders& loaders,
                               std::string& name) {
   check_keys(node, {"file", "named", "sigma_a", "sigma_s_prime", "sigma_s", "g", "eta",
-                    "single_scattering", "model", "thickness_mm", "below"});
+                    "single_scattering", "model", "thickness_mm", "below", "reflectance_gain",
+                    "attenuation_gain"});
   if (find_any(node, {"sigma_a", "sigma_s_prime", "sigma_s"}) != nullptr &&
       find_any(node, {"file", "named"}) == nullptr) {
     name = "homogeneous";
@@ -130,7 +153,8 @@ SurfaceMaterial read_material(const Document& node, const SceneLoaders& loaders,
       throw_at(*member, fmt::format("the key '{}' only beside 'sigma_a'", key), "it here");
   name = as_string(source);
   if (find(node, "named") != nullptr) return Material(with_options(node, read_named(source)));
-  for (const char* key : {"single_scattering", "model", "thickness_mm", "below"})
+  for (const char* key : {"single_scattering", "model", "thickness_mm", "below", "reflectance_gain",
+                          "attenuation_gain"})
     if (const Document* member = find(node, key))
       throw_at(*member, fmt::format("the key '{}' only beside 'sigma_a' or 'named'", key),
                "it here");

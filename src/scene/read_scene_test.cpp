@@ -224,9 +224,22 @@ TEST(ReadScene, HomogeneousMaterials) {
   ASSERT_EQ(stack.below.size(), 1u);
   EXPECT_EQ(stack.below[0].thickness_mm, 0);
   EXPECT_EQ(stack.below[0].channels[2].sigma_s_prime, 1);
-  EXPECT_EQ(error(object({{"named", "Marble"}, {"model", "beter"}})),
-            "s.json: /material/model: expected one of 'classic', 'better' or 'normalized', found the "
-            "string 'beter' (did you mean 'better'?)");
+  const Scene drawn = read_with(
+      "material", object({{"named", "Marble"},
+                          {"reflectance_gain", Document::Array{array({0, 1}), array({2, 3})}}}));
+  const auto& gain = std::get<Dipole>(std::get<Material>(drawn.material)).reflectance_gain;
+  ASSERT_EQ(gain.size(), 2u);
+  EXPECT_EQ(gain[1].factor, 3);
+  EXPECT_EQ(error(object({{"named", "Marble"},
+                          {"attenuation_gain", Document::Array{array({2, 1}), array({2, 3})}}})),
+            "s.json: /material/attenuation_gain/1/0: expected lengths that increase, found 2");
+  EXPECT_EQ(error(object({{"named", "Marble"}, {"reflectance_gain", Document::Array{array({2})}}})),
+            "s.json: /material/reflectance_gain/0: expected a pair [mm, factor], found an array of "
+            "1");
+  EXPECT_EQ(
+      error(object({{"named", "Marble"}, {"model", "beter"}})),
+      "s.json: /material/model: expected one of 'classic', 'better' or 'normalized', found the "
+      "string 'beter' (did you mean 'better'?)");
   EXPECT_EQ(error(object({{"named", "Marble"}, {"thickness_mm", 0.1}})),
             "s.json: /material/thickness_mm: expected more than one transport mean free path 1 / "
             "(sigma_a + sigma_s') in all, found 0.219 of them");

@@ -96,8 +96,9 @@ TransportCoefficients TransportProjection::fit(const Dipole& material) const {
     set_reflectance(coefficients, c, [&](double r) { return eval_curve(curve, r); });
     if (!material.single_scattering) continue;
     const double sigma_s = sigma_s_of(medium), sigma_t = sigma_s + medium.sigma_a;
-    set_attenuation(coefficients, c, sigma_s, medium.g,
-                    [=](double s) { return std::exp(-sigma_t * s); });
+    set_attenuation(coefficients, c, sigma_s, medium.g, [&, sigma_t](double s) {
+      return eval_gain(material.attenuation_gain, s) * std::exp(-sigma_t * s);
+    });
   }
   return coefficients;
 }

@@ -188,6 +188,14 @@ TEST(HomogeneousTransport, CoefficientsFollowTheMaterial) {
     sum += static_cast<double>(coefficients.single[3 * j]) * integrals[j];
   const double sigma_t = sigma_s + material.channels[0].sigma_a;
   EXPECT_NEAR(sum, sigma_s / sigma_t / (4 * std::numbers::pi), 0.02 * sum);
+  Dipole drawn = material;
+  drawn.attenuation_gain = {{0, 2}};
+  drawn.reflectance_gain = {{5, 3}};
+  const TransportCoefficients edited = projection.fit(drawn);
+  for (std::size_t j = 0; j < edited.single.size(); ++j)
+    EXPECT_NEAR(edited.single[j], 2 * coefficients.single[j], 1e-4f * edited.single[0]);
+  for (std::size_t j = 0; j < edited.multiple.size(); ++j)
+    EXPECT_NEAR(edited.multiple[j], 3 * coefficients.multiple[j], 1e-4f * edited.multiple[0]);
   material.single_scattering = false;
   for (const float value : projection.fit(material).single) EXPECT_EQ(value, 0);
 }

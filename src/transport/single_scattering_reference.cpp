@@ -41,10 +41,11 @@ Sources collect(const std::vector<Light>& lights, const SingleReferenceParams& p
 
 struct Medium {
   double sigma_s = 0, sigma_t = 0, three_g = 0;
+  const CurveGain& gain;  // of the attenuation
 };
-Medium medium_of(const DipoleCoefficients& channel) {
+Medium medium_of(const DipoleCoefficients& channel, const CurveGain& gain) {
   const double sigma_s = sigma_s_of(channel);
-  return {sigma_s, channel.sigma_a + sigma_s, 3 * std::clamp(channel.g, -1.0 / 3, 1.0 / 3)};
+  return {sigma_s, channel.sigma_a + sigma_s, 3 * std::clamp(channel.g, -1.0 / 3, 1.0 / 3), gain};
 }
 
 struct Integrator {
@@ -71,9 +72,10 @@ std::array<double, 3> integrate(const Integrator& in, const SurfacePoint& point,
       const double phase =
           (1 - medium.three_g * static_cast<double>(dot(entry.direction, outgoing))) /
           (4 * std::numbers::pi);
-      const double scattered =
-          phase * static_cast<double>(weight[k]) *
-          std::exp(-medium.sigma_t * (entry.length_mm + static_cast<double>(s[k])));
+      const double length_mm = entry.length_mm + static_cast<double>(s[k]);
+      const double scattered = phase * static_cast<double>(weight[k]) *
+                               eval_gain(medium.gain, length_mm) *
+                               std::exp(-medium.sigma_t * length_mm);
       sum[0] += scattered * static_cast<double>(entry.light.x);
       sum[1] += scattered * static_cast<double>(entry.light.y);
       sum[2] += scattered * static_cast<double>(entry.light.z);
@@ -95,7 +97,7 @@ Rgb integrate_view(const Integrator& in, const SurfaceView& view, const Dipole& 
   if (!(path_mm > 0)) return {};
   std::array<double, 3> radiance{};
   for (std::size_t c = 0; c < material.channels.size(); ++c) {
-    const Medium medium = medium_of(material.channels[c]);
+    const Medium medium = medium_of(material.channels[c], material.attenuation_gain);
     if (!(medium.sigma_s > 0)) continue;
     const auto sum = integrate(in, view.point, path, path_mm, out.direction, medium);
     if (material.channels.size() == 1)

@@ -122,7 +122,11 @@ TEST(SingleReference, LightsAndChannelsAdd) {
     for (std::size_t i = 0; i < views.size(); ++i) sum[i] += one[i];
   }
   const auto green = look(lights, {.channels = {medium.channels[1]}, .eta = 1.3});
+  Dipole doubled = medium;
+  doubled.attenuation_gain = {{0, 2}};
+  const auto twice = look(lights, doubled);
   for (std::size_t i = 0; i < views.size(); ++i) {
+    EXPECT_NEAR(twice[i].x, 2 * all[i].x, 1e-5f * all[i].x);
     EXPECT_NEAR(all[i].x, sum[i].x, 1e-5f * sum[i].x);
     EXPECT_NEAR(all[i].z, sum[i].z, 1e-5f * sum[i].z);
     EXPECT_EQ(all[i].y, green[i].y);
