@@ -134,12 +134,12 @@ void draw_pyramid(const ViewPyramid& pyramid, const SplatPrograms& programs,
   int block = 2;
   for (std::size_t i = 0; i < pyramid.representatives.size(); ++i, block *= 2) {
     const Program& program = i == 0 ? programs.reduce_first : programs.reduce;
-    bind(make_framebuffer({{&pyramid.representatives[i]}}, "camera pyramid"));
+    const Framebuffer target = make_framebuffer({{&pyramid.representatives[i]}}, "camera pyramid");
+    bind(target);
     use(program);
     bind_texture(program, "positions", 0, geometry.positions);
     if (i > 0) bind_texture(program, "finer", 1, pyramid.representatives[i - 1]);
     set_uniform(program, "block", block);
-    glViewport(0, 0, pyramid.representatives[i].width, pyramid.representatives[i].height);
     draw_screen();
   }
   for (const ViewLevel& level : pyramid.levels)
