@@ -1,0 +1,67 @@
+#include "gl/context.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "gl/objects.h"
+
+namespace parian {
+namespace {
+
+TEST(OffscreenContext, IsThereAndCanDoWhatTheRendererNeeds) {
+  const OffscreenContext context;
+  EXPECT_FALSE(context.limits().renderer.empty());
+  EXPECT_GE(context.limits().max_texture_size, 2048);
+  EXPECT_GE(context.limits().max_array_layers, 256);
+  EXPECT_GE(context.limits().max_draw_buffers, 4);
+}
+
+TEST(OffscreenContext, AnotherOneAfterItsEnd) {
+  { const OffscreenContext first; }
+  const OffscreenContext second;
+  EXPECT_NO_THROW(check_gl("a new context"));
+}
+
+TEST(Texture, KeepsFloatsAndTheOrderOfRows) {
+  const OffscreenContext context;
+  std::vector<float> values(4 * 5 * 3);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i) * 1.2345678f;
+  const Texture texture = make_texture(TexelFormat::rgba32f, 5, 3, "test", values.data());
+  EXPECT_EQ(read_pixels(make_framebuffer({{&texture}}, "test")), values);
+  EXPECT_EQ(byte_size(texture), 4u * 4 * 5 * 3);
+}
+
+TEST(Texture, TooLargeNamesItselfAndTheLimit) {
+  const OffscreenContext context;
+  const int most = context.limits().max_texture_size;
+  try {
+    (void)make_texture(TexelFormat::r32f, most + 1, 1, "the test's texture");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind, ErrorKind::resource);
+    EXPECT_EQ(std::string(error.what()),
+              "the test's texture: expected at most " + std::to_string(most) +
+                  " texels or layers, the graphics driver's limit, found " +
+                  std::to_string(most + 1));
+  }
+}
+
+TEST(Program, AShaderThatDoesNotCompileIsNamedWithTheLog) {
+  const OffscreenContext context;
+  try {  // without the camera's functions
+    (void)make_program({"surface_vertex.glsl"}, {"fresnel.glsl"});
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("surface_vertex.glsl: expected a shader that"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("project"));
+  }
+}
+
+TEST(Program, UnknownShaderIsAnError) {
+  EXPECT_THROW((void)shader_source("no.glsl"), Error);
+  EXPECT_GT(shader_names().size(), 5u);
+}
+
+}  // namespace
+}  // namespace parian

@@ -1,0 +1,228 @@
+#include "gl/material_textures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "base/parallel.h"
+
+namespace parian {
+namespace {
+
+// h of one channel at r, linear between knots and beyond them.
+float interpolate(const std::vector<float>& knots, const float* half_log, float r) {
+  auto k =
+      static_cast<std::size_t>(std::upper_bound(knots.begin(), knots.end(), r) - knots.begin());
+  k = std::clamp<std::size_t>(k, 1, knots.size() - 1) - 1;
+  const float t = (r - knots[k]) / (knots[k + 1] - knots[k]);
+  return half_log[3 * k] + t * (half_log[3 * k + 3] - half_log[3 * k]);
+}
+
+double near_weight(double r, double near_mm) {
+  const double u = std::max(0.0, 1 - (r / near_mm) * (r / near_mm));
+  return u * u;
+}
+
+// I = int P w dA and int (P w)^2 dA over a plane, w the near term's weight: midpoints in r^2.
+struct NearValues {
+  double integral = 0, square = 0;
+};
+NearValues integrate_near(const std::vector<float>& knots, const float* half_log, float support,
+                          double near_mm) {
+  constexpr int steps = 64;
+  NearValues values;
+  const double end = std::min(near_mm, static_cast<double>(support));
+  const double ring = std::numbers::pi * end * end / steps;
+  for (int i = 0; i < steps; ++i) {
+    const double r = end * std::sqrt((i + 0.5) / steps);
+    const double h = static_cast<double>(interpolate(knots, half_log, static_cast<float>(r)));
+    const double value = std::exp(2 * h) * near_weight(r, near_mm);
+    values.integral += ring * value;
+    values.square += ring * value * value;
+  }
+  return values;
+}
+
+// Rows of the field at all pixels, turned into the planes that the textures hold.
+struct Planes {
+  std::vector<float> support, half_log, integral, count;
+};
+
+void fill_pixel(const ProfileField& field, const std::vector<float>& nodes, double area_mm2,
+                double near_mm, int x, int y, bool with_rows, Planes& planes) {
+  const std::size_t pixels =
+      static_cast<std::size_t>(field.width) * static_cast<std::size_t>(field.height);
+  const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(field.width) +
+                            static_cast<std::size_t>(x);
+  std::vector<float> row(field.row());
+  std::array<float, 3> support{};
+  field.eval(x, y, row.data(), support.data());
+  for (std::size_t c = 0; c < 3; ++c) {
+    planes.support[3 * pixel + c] = support[c];
+    const NearValues near = integrate_near(field.knots_mm, &row[c], support[c], near_mm);
+    planes.integral[3 * pixel + c] = static_cast<float>(near.integral);
+    planes.count[3 * pixel + c] = static_cast<float>(
+        std::min(1e6, near.integral * near.integral / std::max(1e-300, area_mm2 * near.square)));
+    if (!with_rows) continue;
+    for (std::size_t j = 0; j < nodes.size(); ++j)
+      planes.half_log[3 * (j * pixels + pixel) + c] =
+          interpolate(field.knots_mm, &row[c], nodes[j]);
+  }
+}
+
+Planes make_planes(const ProfileField& field, const std::vector<float>& nodes, double area_mm2,
+                   double near_mm, bool with_rows) {
+  const std::size_t pixels =
+      static_cast<std::size_t>(field.width) * static_cast<std::size_t>(field.height);
+  Planes planes;
+  planes.support.resize(3 * pixels);
+  planes.integral.resize(3 * pixels);
+  planes.count.resize(3 * pixels);
+  if (with_rows) planes.half_log.resize(3 * pixels * nodes.size());
+  parallel_for(static_cast<std::size_t>(field.height), [&](std::size_t y) {
+    for (int x = 0; x < field.width; ++x)
+      fill_pixel(field, nodes, area_mm2, near_mm, x, static_cast<int>(y), with_rows, planes);
+  });
+  return planes;
+}
+
+// Profiles that have fallen by this much count no further.
+constexpr float deepest = 6;
+
+ReferenceProfile make_reference(const ProfileField& field) {
+  ReferenceProfile reference;
+  reference.knots_mm = field.knots_mm;
+  reference.half_log.resize(field.knots());
+  const int step = std::max(1, std::max(field.width, field.height) / 48);
+  std::vector<float> row(field.row());
+  std::array<float, 3> support{};
+  float count = 0;
+  for (int y = 0; y < field.height; y += step)
+    for (int x = 0; x < field.width; x += step, ++count) {
+      field.eval(x, y, row.data(), support.data());
+      for (std::size_t k = 0; k < field.knots(); ++k)
+        reference.half_log[k] +=
+            {std::max(row[3 * k], row[0] - deepest), std::max(row[3 * k + 1], row[1] - deepest),
+             std::max(row[3 * k + 2], row[2] - deepest)};
+    }
+  for (Vec3& value : reference.half_log) value = value / count;
+  return reference;
+}
+
+// h of the bases at the nodes; then value and slope at the last knot, from which tails go on.
+std::vector<float> make_base_rows(const ProfileBlend& blend, const std::vector<float>& nodes) {
+  const std::size_t width = nodes.size() + 2, last = blend.knots_mm.size() - 1;
+  std::vector<float> rows(3 * width * blend.bases());
+  for (std::size_t base = 0; base < blend.bases(); ++base)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float* values =
+          base_profile(blend, base, std::min(static_cast<int>(c), blend.channels - 1));
+      const Profile profile{blend.knots_mm, {values, values + last + 1}, HUGE_VAL};
+      float* row = &rows[3 * width * base + c];
+      for (std::size_t j = 0; j < nodes.size(); ++j)
+        row[3 * j] =
+            static_cast<float>(0.5 * eval_log_profile(profile, static_cast<double>(nodes[j])));
+      row[3 * nodes.size()] = static_cast<float>(0.5 * profile.log_value[last]);
+      row[3 * nodes.size() + 3] =
+          static_cast<float>(0.5 * (profile.log_value[last] - profile.log_value[last - 1]) /
+                             (blend.knots_mm[last] - blend.knots_mm[last - 1]));
+    }
+  return rows;
+}
+
+void add_blend(const ProfileBlend& blend, MaterialTextures& textures) {
+  const std::size_t pixels = blend.pixels(), per_pixel = static_cast<std::size_t>(blend.per_pixel);
+  textures.defines.push_back(fmt::format("BLEND {}", blend.per_pixel));
+  textures.end_mm = blend.knots_mm.back();
+  textures.least_slope = -0.5 * min_tail_decay / blend.knots_mm.back();
+  textures.base = make_texture(TexelFormat::rgb32f, static_cast<int>(textures.nodes.size()) + 2,
+                               static_cast<int>(blend.bases()), "base profiles",
+                               make_base_rows(blend, textures.nodes).data());
+  std::vector<float> weight(per_pixel * pixels), of_pixel(per_pixel), gain(3 * pixels, 0.0f);
+  for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+    get_weights(blend, pixel, of_pixel.data());
+    for (std::size_t k = 0; k < per_pixel; ++k) weight[k * pixels + pixel] = of_pixel[k];
+    if (blend.gain.empty()) continue;
+    for (std::size_t c = 0; c < 3; ++c)
+      gain[3 * pixel + c] =
+          0.5f *
+          std::log(blend.gain[std::min(c, static_cast<std::size_t>(blend.channels) - 1) * pixels +
+                              pixel]);
+  }
+  textures.index = make_texture_array(TexelFormat::r16ui, blend.width, blend.height,
+                                      blend.per_pixel, "blend indices", blend.index.data());
+  textures.weight = make_texture_array(TexelFormat::r32f, blend.width, blend.height,
+                                       blend.per_pixel, "blend weights", weight.data());
+  textures.gain =
+      make_texture(TexelFormat::rgb32f, blend.width, blend.height, "blend gain", gain.data());
+}
+
+}  // namespace
+
+Vec3 eval_reference(const ReferenceProfile& reference, double r_mm) {
+  const float* values = &reference.half_log[0].x;
+  const auto r = static_cast<float>(r_mm);
+  return {interpolate(reference.knots_mm, values, r),
+          interpolate(reference.knots_mm, values + 1, r),
+          interpolate(reference.knots_mm, values + 2, r)};
+}
+
+std::size_t MaterialTextures::bytes() const {
+  std::size_t sum = 0;
+  for (const Texture* texture :
+       {&support, &half_log, &base, &index, &weight, &gain, &near_integral, &near_count})
+    if (texture->handle.get() != 0) sum += byte_size(*texture);
+  return sum;
+}
+
+MaterialTextures make_material_textures(const Material& material, const ProfileField& field,
+                                        const RadialLevels& levels, double area_mm2,
+                                        double near_mm) {
+  MaterialTextures textures;
+  textures.width = field.width;
+  textures.height = field.height;
+  textures.pixel_pitch_mm = field.pixel_pitch_mm;
+  textures.boundary = field.boundary;
+  textures.eta = field.eta;
+  textures.nodes = levels.nodes;
+  textures.reference = make_reference(field);
+  textures.defines.push_back(fmt::format("NODES {}", levels.nodes.size()));
+  const auto* blend = std::get_if<ProfileBlend>(&material);
+  if (blend != nullptr && !blend->dilation.empty()) blend = nullptr;
+  const Planes planes =
+      make_planes(field, levels.nodes, area_mm2, near_mm, /*with_rows=*/blend == nullptr);
+  const auto plane = [&](const std::vector<float>& values, const char* what) {
+    return make_texture(TexelFormat::rgb32f, field.width, field.height, what, values.data());
+  };
+  textures.support = plane(planes.support, "supports of the profiles");
+  textures.near_integral = plane(planes.integral, "near term");
+  textures.near_count = plane(planes.count, "near term");
+  if (blend != nullptr)
+    add_blend(*blend, textures);
+  else
+    textures.half_log = make_texture_array(TexelFormat::rgb32f, field.width, field.height,
+                                           static_cast<int>(levels.nodes.size()),
+                                           "profiles of the material", planes.half_log.data());
+  return textures;
+}
+
+int bind_material(const Program& program, const MaterialTextures& material, int unit) {
+  set_uniform(program, "node_r", material.nodes);
+  bind_texture(program, "material_support", unit++, material.support);
+  if (material.half_log.handle.get() != 0) {
+    bind_texture(program, "half_log_rows", unit++, material.half_log);
+    return unit;
+  }
+  set_uniform(program, "blend_end", static_cast<float>(material.end_mm));
+  set_uniform(program, "blend_slope", static_cast<float>(material.least_slope));
+  bind_texture(program, "base_rows", unit++, material.base);
+  bind_texture(program, "blend_index", unit++, material.index);
+  bind_texture(program, "blend_weight", unit++, material.weight);
+  bind_texture(program, "blend_gain", unit++, material.gain);
+  return unit;
+}
+
+}  // namespace parian

@@ -1,0 +1,45 @@
+// A material as the shaders see it: profiles of its pixels at the renderer's radii.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gl/objects.h"
+#include "gl/sample_levels.h"
+#include "material/profile_field.h"
+
+namespace parian {
+
+// One profile that stands for all of the material: the mean of h = 1/2 ln P over its pixels.
+// Splatting sums with it, and corrects by what profiles differ from it.
+struct ReferenceProfile {
+  std::vector<float> knots_mm;
+  std::vector<Vec3> half_log;
+};
+Vec3 eval_reference(const ReferenceProfile& reference, double r_mm);
+
+struct MaterialTextures {
+  std::vector<std::string> defines;  // for shaders with material.glsl
+  int width = 1;
+  int height = 1;
+  double pixel_pitch_mm = 1;
+  Boundary boundary = Boundary::excluded;
+  double eta = 1.3;
+  ReferenceProfile reference;
+  std::vector<float> nodes;
+  double end_mm = 0, least_slope = 0;  // of a blend's knots
+  Texture support;
+  Texture half_log;                   // of a map
+  Texture base, index, weight, gain;  // of a blend
+  Texture near_integral, near_count;  // of the near term
+
+  std::size_t bytes() const;
+};
+// Dilated blends and dipoles are taken as maps. `area_mm2` of a sample sets the near term.
+MaterialTextures make_material_textures(const Material& material, const ProfileField& field,
+                                        const RadialLevels& levels, double area_mm2,
+                                        double near_mm);
+// Everything material.glsl needs, from texture unit `unit` on; returns the next free unit.
+int bind_material(const Program& program, const MaterialTextures& material, int unit);
+
+}  // namespace parian

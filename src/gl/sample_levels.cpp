@@ -1,0 +1,79 @@
+#include "gl/sample_levels.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+#include "base/parallel.h"
+
+namespace parian {
+namespace {
+
+void halve(const std::vector<SurfacePoint>& points, std::uint32_t* order, std::size_t count) {
+  if (count <= 1) return;
+  Bounds3 box;
+  for (std::size_t i = 0; i < count; ++i) extend(box, points[order[i]].position);
+  const int axis = longest_axis(box);
+  // Powers of two, so that groups of 4^k start at multiples of 4^k.
+  const std::size_t half = std::bit_ceil(count) / 2;
+  std::nth_element(order, order + half, order + count, [&](std::uint32_t a, std::uint32_t b) {
+    const float pa = component(points[a].position, axis), pb = component(points[b].position, axis);
+    return pa != pb ? pa < pb : a < b;
+  });
+  const auto work = [&](std::size_t side) {
+    side == 0 ? halve(points, order, half) : halve(points, order + half, count - half);
+  };
+  if (count > 4096) {
+    parallel_for(2, work);
+  } else {
+    work(0);
+    work(1);
+  }
+}
+
+double smooth_step(double t) {
+  return t * t * (3 - 2 * t);
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> order_by_groups(const std::vector<SurfacePoint>& points) {
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  halve(points, order.data(), order.size());
+  return order;
+}
+
+std::size_t level_size(std::size_t samples, int level) {
+  for (int l = 0; l < level; ++l) samples = (samples + 3) / 4;
+  return samples;
+}
+
+double RadialLevels::level_radius(int level) const {
+  return std::ldexp(radius_mm, level);
+}
+
+RadialLevels make_radial_levels(double radius_mm, double max_support_mm) {
+  RadialLevels levels;
+  levels.radius_mm = radius_mm;
+  while (levels.level_radius(levels.count - 1) < max_support_mm) ++levels.count;
+  levels.nodes = {0, static_cast<float>(radius_mm / 4)};
+  for (int i = 0; i < 2 * levels.count + 3; ++i)
+    levels.nodes.push_back(static_cast<float>(radius_mm * std::exp2(0.5 * i - 1)));
+  return levels;
+}
+
+double level_weight(const RadialLevels& levels, int level, double r_mm) {
+  const double u = std::log2(std::max(r_mm, 1e-30) / levels.level_radius(level));
+  if (u <= 0) return level == 0 ? 1 : u <= -1 ? 0 : smooth_step(1 + u);
+  return u >= 1 ? 0 : smooth_step(1 - u);
+}
+
+std::array<int, 5> level_nodes(int level) {
+  if (level == 0) return {0, 1, 2, 4, 6};
+  const int first = 2 * level + 2;
+  return {first, first + 1, first + 2, first + 3, first + 4};
+}
+
+}  // namespace parian

@@ -1,0 +1,125 @@
+// Exitance of a pixel from one level. Sums are taken from the level's texels around it, weighted by
+// distance in space and on the screen, and get the pixel's own profile at their mean radius:
+//
+//   M = B a_o(B1 / B) / A(B1 / B),
+//
+// which is exact to first order in r within the level, and leaves the texture of a_o as sharp as
+// the picture.
+uniform sampler2D positions;
+uniform sampler2D normals;
+uniform sampler2D places;
+uniform sampler2DArray level_positions;
+uniform sampler2DArray level_sums;
+uniform sampler2DArray level_moments;
+#ifdef SINGLE
+uniform sampler2DArray level_normals;
+uniform sampler2DArray level_near;
+uniform sampler2DArray level_mean;
+uniform sampler2D near_integral;  // of the material's pixels: int P w dA within the near term
+uniform sampler2D near_count;     // number of samples that carry it
+#endif
+uniform int block;                // pixels of a texel's side
+uniform float softness;           // mm
+uniform int level_nodes[5];
+uniform vec3 reference_nodes[5];
+uniform float node_r5[5];
+layout(location = 0) out vec4 exitance;
+
+struct Sums {
+  vec4 sum;
+  vec4 moment;
+  vec4 near;
+  vec4 mean;
+};
+
+void add_texel(inout Sums sums, ivec3 texel, float weight) {
+  sums.sum += weight * texelFetch(level_sums, texel, 0);
+  sums.moment += weight * texelFetch(level_moments, texel, 0);
+#ifdef SINGLE
+  sums.near += weight * texelFetch(level_near, texel, 0);
+  sums.mean += weight * texelFetch(level_mean, texel, 0);
+#endif
+}
+
+// Squared distance over softness squared; far away where there is nothing.
+float apart(ivec3 texel, vec3 position, vec3 normal) {
+  ivec2 size = textureSize(level_positions, 0).xy;
+  if (any(lessThan(texel.xy, ivec2(0))) || any(greaterThanEqual(texel.xy, size))) return 1e30;
+  vec4 there = texelFetch(level_positions, texel, 0);
+  if (there.w <= 0.0) return 1e30;
+  vec3 d = (there.xyz - position) / softness;
+  float result = dot(d, d);
+#ifdef SINGLE
+  result += 4.0 * (1.0 - dot(texelFetch(level_normals, texel, 0).xyz, normal));
+#endif
+  return result;
+}
+
+Sums interpolate(ivec2 pixel, vec3 position, vec3 normal) {
+  Sums sums = Sums(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+  if (block == 1) {
+    add_texel(sums, ivec3(pixel, 0), 1.0);
+    return sums;
+  }
+  vec2 at = (vec2(pixel) + 0.5) / float(block) - 0.5;
+  ivec2 first = ivec2(floor(at));
+  vec2 part = at - vec2(first);
+  float distances[8], least = 1e29;
+  for (int i = 0; i < 8; ++i) {
+    distances[i] = apart(ivec3(first + ivec2(i & 1, (i >> 1) & 1), i >> 2), position, normal);
+    least = min(least, distances[i]);
+  }
+  float total = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    if (distances[i] > least + 40.0) continue;
+    ivec2 corner = ivec2(i & 1, (i >> 1) & 1);
+    float tent = (corner.x == 1 ? part.x : 1.0 - part.x) * (corner.y == 1 ? part.y : 1.0 - part.y);
+    float weight = (tent + 1e-3) * exp(-0.5 * (distances[i] - least));
+    add_texel(sums, ivec3(first + corner, i >> 2), weight);
+    total += weight;
+  }
+  if (total > 0.0) {
+    sums.sum /= total;
+    sums.moment /= total;
+    sums.near /= total;
+    sums.mean /= total;
+  }
+  return sums;
+}
+
+// ln(a_o / A) at the level's nodes.
+vec3 node_ratio[5];
+
+vec3 log_ratio_at(vec3 r) {
+  vec3 value = node_ratio[0];
+  for (int k = 0; k < 4; ++k)
+    value += clamp((r - node_r5[k]) / (node_r5[k + 1] - node_r5[k]), 0.0, 1.0) *
+             (node_ratio[k + 1] - node_ratio[k]);
+  return value;
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec4 position = texelFetch(positions, pixel, 0);
+  if (position.w <= 0.0) discard;
+  Sums sums = interpolate(pixel, position.xyz, texelFetch(normals, pixel, 0).xyz);
+  Corners corners = find_corners(texelFetch(places, pixel, 0).xy);
+  vec3 support = mix_corners(corners, material_support);
+  for (int k = 0; k < 5; ++k)
+    node_ratio[k] = half_log_at(corners, level_nodes[k]) + cut_log(support, level_nodes[k]) -
+                    reference_nodes[k];
+  vec3 r = sums.moment.rgb / max(sums.sum.rgb, 1e-30);
+  vec3 result = sums.sum.rgb * exp(log_ratio_at(r));
+#ifdef SINGLE
+  vec3 integral = mix_corners(corners, near_integral), n = mix_corners(corners, near_count);
+  vec3 limit = mix(vec3(1e30), 1.0 + 2.0 / max(n - 1.0, 1e-6), vec3(greaterThan(n, vec3(1.0))));
+  float r_near = sums.near.a / max(sums.near.r + sums.near.g + sums.near.b, 1e-30);
+  vec3 scale = clamp(vec3(1.0 / max(sums.sum.a, 1e-30)), 1.0 / limit, limit);
+  vec3 u = clamp((n - 2.0) / 6.0, 0.0, 1.0);
+  vec3 trust = sums.moment.a > 0.0 ? u * u * (3.0 - 2.0 * u) : vec3(1.0);
+  result += trust * scale * sums.near.rgb * exp(log_ratio_at(vec3(r_near)));
+  if (sums.moment.a > 0.0)
+    result += (1.0 - trust) * integral * sums.mean.rgb / sums.moment.a;
+#endif
+  exitance = vec4(result, 1.0);
+}

@@ -1,0 +1,52 @@
+// A splat: a camera-facing quad around the sphere that a source reaches at this level. Its depth is
+// the sphere's nearest, so that the depth test drops surfaces in front of it.
+uniform sampler2D source_positions;
+uniform sampler2D source_rows;
+#ifdef SINGLE
+uniform sampler2D source_flux;
+uniform sampler2D source_normals;
+flat out vec3 splat_flux;
+flat out vec3 splat_normal;
+#endif
+uniform int source_lines;
+uniform int level_nodes[5];       // indices
+uniform vec3 reference_nodes[5];  // ln of the reference there
+uniform float reach;              // mm
+flat out vec3 splat_position;
+flat out vec3 splat_log[5];       // ln(moment / reference) at the level's nodes
+
+// Extent of a sphere's picture along one axis, as tangents; c = centre's coordinate, z its depth.
+vec2 sphere_extent(float c, float z) {
+  float root = sqrt(max(0.0, c * c + z * z - reach * reach));
+  float below = z * z - reach * reach;
+  return vec2(c * z - reach * root, c * z + reach * root) / below;
+}
+
+void main() {
+  int width = textureSize(source_positions, 0).x;
+  ivec2 texel = source_texel(gl_InstanceID, width);
+  splat_position = texelFetch(source_positions, texel, 0).xyz;
+  vec3 flux = vec3(1.0);
+#ifdef SINGLE
+  flux = texelFetch(source_flux, texel, 0).rgb;
+  splat_flux = flux;
+  splat_normal = texelFetch(source_normals, texel, 0).xyz;
+#endif
+  float most = 0.0;
+  for (int k = 0; k < 5; ++k) {
+    vec3 value = flux * texelFetch(source_rows,
+                                   ivec2(texel.x, texel.y + level_nodes[k] * source_lines), 0).rgb;
+    most = max(most, max(value.r, max(value.g, value.b)));
+    splat_log[k] = log(max(value, 1e-30)) - reference_nodes[k];
+  }
+  vec3 v = to_view(splat_position);
+  vec4 box = vec4(-1.0, -1.0, 1.0, 1.0);
+  if (v.z > reach * 1.001) {
+    vec2 x = sphere_extent(v.x, v.z) / camera_half.x, y = sphere_extent(v.y, v.z) / camera_half.y;
+    box = clamp(vec4(x.x, y.x, x.y, y.y), -1.0, 1.0);
+  }
+  float depth = v.z - reach > camera_range.x ? device_depth(v.z - reach) : -1.0;
+  gl_Position = vec4((gl_VertexID & 1) == 0 ? box.x : box.z, (gl_VertexID & 2) == 0 ? box.y : box.w,
+                     clamp(depth, -0.99999, 1.0), 1.0);
+  if (most <= 0.0 || v.z < -reach) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+}

@@ -1,0 +1,128 @@
+#include "gl/sources.h"
+
+#include <fmt/format.h>
+
+#include "base/check.h"
+
+namespace parian {
+namespace {
+
+constexpr int line_width = 2048;  // the largest texture that every device has
+
+int lines_of(std::size_t count) {
+  return static_cast<int>((count + line_width - 1) / line_width);
+}
+
+// Four floats each, the last 1, padded to full lines.
+std::vector<float> pack(std::size_t count, const auto& get) {
+  std::vector<float> values(4 * line_width * static_cast<std::size_t>(lines_of(count)), 0.0f);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 value = get(i);
+    values[4 * i] = value.x;
+    values[4 * i + 1] = value.y;
+    values[4 * i + 2] = value.z;
+    values[4 * i + 3] = 1;
+  }
+  return values;
+}
+
+Texture make_line_texture(std::size_t count, int blocks, const char* what, const void* data) {
+  return make_texture(TexelFormat::rgba32f, line_width, lines_of(count) * blocks, what, data);
+}
+
+void group_level(const Sources& sources, const SourceLevel& members, const SourceLevel& groups,
+                 int level, const Program& sum, const Program& centre) {
+  const bool is_single = level == 1;
+  for (const bool positions : {false, true}) {
+    const Program& program = positions ? centre : sum;
+    const Framebuffer target =
+        make_framebuffer({{positions ? &groups.positions : &groups.rows}}, "groups of samples");
+    bind(target);
+    use(program);
+    set_uniform(program, "member_count", members.count);
+    set_uniform(program, "member_lines", members.lines);
+    set_uniform(program, "group_lines", groups.lines);
+    set_uniform(program, "node", level_nodes(level)[2]);
+    bind_texture(program, "member_rows", 0, members.rows);
+    bind_texture(program, "member_positions", 1, members.positions);
+    if (is_single) bind_texture(program, "member_flux", 2, sources.flux);
+    draw_screen();
+  }
+}
+
+}  // namespace
+
+Sources make_sources(const std::vector<SurfacePoint>& samples, const std::vector<Vec2>& places,
+                     double area_mm2, const RadialLevels& radial) {
+  PARIAN_CHECK_EQ(samples.size(), places.size());
+  Sources sources;
+  sources.area_mm2 = area_mm2;
+  const std::size_t count = samples.size();
+  const auto position = pack(count, [&](std::size_t i) { return samples[i].position; });
+  const int blocks = static_cast<int>(radial.nodes.size()) + 1;
+  for (int l = 0; l < radial.count; ++l) {
+    SourceLevel level;
+    const std::size_t size = level_size(count, l);
+    level.count = static_cast<int>(size);
+    level.lines = lines_of(size);
+    level.positions =
+        make_line_texture(size, 1, "places of samples", l == 0 ? position.data() : nullptr);
+    level.rows = make_line_texture(size, blocks, "profiles of samples", nullptr);
+    sources.levels.push_back(std::move(level));
+  }
+  const auto normal = pack(count, [&](std::size_t i) { return samples[i].normal; });
+  const auto place = pack(count, [&](std::size_t i) { return Vec3{places[i].x, places[i].y, 0}; });
+  sources.normals = make_line_texture(count, 1, "normals of samples", normal.data());
+  sources.places = make_line_texture(count, 1, "places of samples", place.data());
+  sources.flux = make_line_texture(count, 1, "flux of samples", nullptr);
+  return sources;
+}
+
+void bake_profiles(Sources& sources, const MaterialTextures& material) {
+  const Program program = make_program({"screen_vertex.glsl"},
+                                       {"material.glsl", "rows_fragment.glsl"}, material.defines);
+  const SourceLevel& level = sources.levels.front();
+  const Framebuffer target = make_framebuffer({{&level.rows}}, "profiles of samples");
+  bind(target);
+  use(program);
+  set_uniform(program, "row_lines", level.lines);
+  bind_texture(program, "sample_places", 0, sources.places);
+  bind_material(program, material, 1);
+  set_additive_blending(false);
+  draw_screen();
+  check_gl("profiles of samples");
+}
+
+void set_flux(Sources& sources, const std::vector<Rgb>& flux) {
+  PARIAN_CHECK_EQ(flux.size(), static_cast<std::size_t>(sources.levels.front().count));
+  update_texture(sources.flux, pack(flux.size(), [&](std::size_t i) { return flux[i]; }).data());
+}
+
+void group_sources(Sources& sources) {
+  set_additive_blending(false);
+  for (std::size_t l = 1; l < sources.levels.size(); ++l) {
+    const std::vector<std::string> defines =
+        l == 1 ? std::vector<std::string>{"SINGLE"} : std::vector<std::string>{};
+    const Program sum =
+        make_program({"screen_vertex.glsl"}, {"sources.glsl", "group_fragment.glsl"}, defines);
+    const Program centre =
+        make_program({"screen_vertex.glsl"}, {"sources.glsl", "centre_fragment.glsl"}, defines);
+    group_level(sources, sources.levels[l - 1], sources.levels[l], static_cast<int>(l), sum,
+                centre);
+  }
+  check_gl("groups of samples");
+}
+
+Rgb total_flux(const Sources& sources, int level) {
+  const SourceLevel& source = sources.levels[static_cast<std::size_t>(level)];
+  const Texture& texture = level == 0 ? sources.flux : source.rows;
+  const std::vector<float> values = read_pixels(make_framebuffer({{&texture}}, "flux of sources"));
+  const std::size_t lines = static_cast<std::size_t>(source.lines);
+  const std::size_t first = values.size() - 4 * line_width * lines;  // the last node
+  double sum[3] = {0, 0, 0};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(source.count); ++i)
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += static_cast<double>(values[first + 4 * i + c]);
+  return {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
+}
+
+}  // namespace parian

@@ -1,0 +1,241 @@
+#include "gl/splat_levels.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace parian {
+namespace {
+
+constexpr int table_steps = 128;
+// B is kept where it lies farther from A than this many texels' sides.
+constexpr double layer_distance = 1.5;
+
+int blocks_of(int pixels, int block) {
+  return (pixels + block - 1) / block;
+}
+
+// Pixels of a side of a level's texels: a power of two.
+int choose_block(const SplatCamera& camera, double wanted_mm) {
+  const double pixel_mm =
+      2 * camera.frame.half_height / camera.frame.height * static_cast<double>(camera.middle_mm);
+  int block = 1;
+  while (2 * block * pixel_mm <= wanted_mm && block < 4096) block *= 2;
+  return block;
+}
+
+ViewLevel make_view_level(int width, int height, int block, bool is_single, SplatFormat format) {
+  ViewLevel level;
+  level.block = block;
+  level.layers = block == 1 ? 1 : 2;
+  const auto make = [&](TexelFormat texels) {
+    return make_texture_array(texels, width, height, level.layers, "camera pyramid");
+  };
+  level.positions = make(TexelFormat::rgba32f);
+  level.normals = make(TexelFormat::rgba16f);
+  level.sums = make(format.sums);
+  level.moments = make(format.sums);
+  if (is_single) {
+    level.near = make(format.sums);
+    level.mean = make(format.sums);
+  }
+  for (int layer = 0; layer < level.layers; ++layer) {
+    level.depth.push_back(make_texture(TexelFormat::depth32f, width, height, "camera pyramid"));
+    level.represent.push_back(make_framebuffer({{&level.positions, layer}, {&level.normals, layer}},
+                                               "camera pyramid", &level.depth.back()));
+    std::vector<Attachment> targets{{&level.sums, layer}, {&level.moments, layer}};
+    if (is_single) {
+      targets.push_back({&level.near, layer});
+      targets.push_back({&level.mean, layer});
+    }
+    level.splat.push_back(make_framebuffer(targets, "splats", &level.depth.back()));
+  }
+  return level;
+}
+
+void represent(const ViewPyramid& pyramid, const ViewLevel& level, const SplatPrograms& programs,
+               const GeometryBuffer& geometry, const SplatCamera& camera) {
+  const bool is_full = level.block == 1;
+  const Program& program = is_full ? programs.represent_pixels : programs.represent;
+  const double texel = 2 * camera.frame.half_height / camera.frame.height * level.block;
+  use(program);
+  set_camera(program, camera);
+  bind_texture(program, "positions", 0, geometry.positions);
+  bind_texture(program, "normals", 1, geometry.normals);
+  set_uniform(program, "apart", static_cast<float>(layer_distance * texel));
+  if (!is_full) {
+    std::size_t i = 0;
+    for (int block = 2; block < level.block; block *= 2) ++i;
+    bind_texture(program, "representatives", 2, pyramid.representatives[i]);
+  }
+  for (int layer = 0; layer < level.layers; ++layer) {
+    bind(level.represent[static_cast<std::size_t>(layer)]);
+    set_uniform(program, "layer", layer);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_ALWAYS);
+    glDepthMask(GL_TRUE);
+    glBindVertexArray(0);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+  }
+}
+
+}  // namespace
+
+std::size_t ViewPyramid::bytes() const {
+  std::size_t sum = 0;
+  for (const Texture& texture : representatives) sum += byte_size(texture);
+  for (const ViewLevel& level : levels) {
+    for (const Texture* texture :
+         {&level.positions, &level.normals, &level.sums, &level.moments, &level.near, &level.mean})
+      if (texture->handle.get() != 0) sum += byte_size(*texture);
+    for (const Texture& texture : level.depth) sum += byte_size(texture);
+  }
+  return sum;
+}
+
+ViewPyramid make_view_pyramid(const SplatCamera& camera, const RadialLevels& radial,
+                              double spacing_mm, double texel_spacings, SplatFormat format) {
+  ViewPyramid pyramid;
+  pyramid.width = camera.frame.width;
+  pyramid.height = camera.frame.height;
+  int largest = 1;
+  for (int l = 0; l < radial.count; ++l) {
+    const int block = choose_block(camera, std::ldexp(texel_spacings * spacing_mm, l));
+    largest = std::max(largest, block);
+    pyramid.levels.push_back(make_view_level(
+        blocks_of(pyramid.width, block), blocks_of(pyramid.height, block), block, l == 0, format));
+  }
+  for (int block = 2; block <= largest; block *= 2)
+    pyramid.representatives.push_back(
+        make_texture(TexelFormat::rgba16ui, blocks_of(pyramid.width, block),
+                     blocks_of(pyramid.height, block), "camera pyramid"));
+  return pyramid;
+}
+
+SplatPrograms make_splat_programs() {
+  SplatPrograms programs;
+  const std::vector<std::string_view> screen{"screen_vertex.glsl"};
+  programs.reduce_first = make_program(screen, {"reduce_fragment.glsl"}, {"FIRST"});
+  programs.reduce = make_program(screen, {"reduce_fragment.glsl"});
+  programs.represent_pixels =
+      make_program(screen, {"camera.glsl", "represent_fragment.glsl"}, {"FULL"});
+  programs.represent = make_program(screen, {"camera.glsl", "represent_fragment.glsl"});
+  const std::vector<std::string_view> vertex{"camera.glsl", "sources.glsl", "splat_vertex.glsl"};
+  programs.splat_single = make_program(vertex, {"splat_fragment.glsl"}, {"SINGLE"});
+  programs.splat_group = make_program(vertex, {"splat_fragment.glsl"});
+  return programs;
+}
+
+void draw_pyramid(const ViewPyramid& pyramid, const SplatPrograms& programs,
+                  const GeometryBuffer& geometry, const SplatCamera& camera) {
+  set_additive_blending(false);
+  int block = 2;
+  for (std::size_t i = 0; i < pyramid.representatives.size(); ++i, block *= 2) {
+    const Program& program = i == 0 ? programs.reduce_first : programs.reduce;
+    const Framebuffer target = make_framebuffer({{&pyramid.representatives[i]}}, "camera pyramid");
+    bind(target);
+    use(program);
+    bind_texture(program, "positions", 0, geometry.positions);
+    if (i > 0) bind_texture(program, "finer", 1, pyramid.representatives[i - 1]);
+    set_uniform(program, "block", block);
+    draw_screen();
+  }
+  for (const ViewLevel& level : pyramid.levels)
+    represent(pyramid, level, programs, geometry, camera);
+  check_gl("camera pyramid");
+}
+
+SplatTables make_splat_tables(const RadialLevels& radial, const ReferenceProfile& reference,
+                              const NearRadii& near) {
+  SplatTables tables;
+  for (int l = 0; l < radial.count; ++l) {
+    const double radius = radial.level_radius(l), first = l == 0 ? 0 : radius / 2;
+    const double step = (2 * radius - first) / table_steps;
+    std::vector<float> values;
+    for (int i = 0; i < table_steps + 2; ++i) {
+      const double r = first + i * step;
+      const Vec3 h = eval_reference(reference, r);
+      for (const float value :
+           {2 * h.x, 2 * h.y, 2 * h.z, static_cast<float>(level_weight(radial, l, r))})
+        values.push_back(value);
+    }
+    tables.table.push_back(
+        make_texture(TexelFormat::rgba32f, table_steps + 2, 1, "splat table", values.data()));
+    tables.range.push_back({static_cast<float>(first), static_cast<float>(step)});
+  }
+  // 1/3 over int A^2 w dA: the sampled integral over the true one, mean of the channels.
+  constexpr int rings = 256;
+  double integral[3] = {0, 0, 0};
+  for (int i = 0; i < rings; ++i) {
+    const double part = (i + 0.5) / rings, w = (1 - part) * (1 - part);
+    const Vec3 h = eval_reference(reference, near.near_mm * std::sqrt(part));
+    const double area = std::numbers::pi * near.near_mm * near.near_mm / rings;
+    for (int c = 0; c < 3; ++c)
+      integral[c] += area * w * std::exp(2 * static_cast<double>(component(h, c)));
+  }
+  tables.reference_share = {static_cast<float>(1 / (3 * integral[0])),
+                            static_cast<float>(1 / (3 * integral[1])),
+                            static_cast<float>(1 / (3 * integral[2]))};
+  return tables;
+}
+
+void set_level_nodes(const Program& program, const SplatInput& input, int level) {
+  const std::array<int, 5> nodes = level_nodes(level);
+  std::vector<Vec3> reference;
+  std::vector<float> radii;
+  for (const int node : nodes) {
+    radii.push_back(input.radial.nodes[static_cast<std::size_t>(node)]);
+    reference.push_back(eval_reference(input.reference, static_cast<double>(radii.back())));
+  }
+  set_uniform(program, "level_nodes", std::vector<int>(nodes.begin(), nodes.end()));
+  set_uniform(program, "reference_nodes", reference);
+  set_uniform(program, "node_r5", radii);
+}
+
+void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, const Sources& sources,
+                 const SplatInput& input, const SplatCamera& camera, int level) {
+  const auto l = static_cast<std::size_t>(level);
+  const ViewLevel& view = pyramid.levels[l];
+  const SourceLevel& source = sources.levels[l];
+  const Program& program = level == 0 ? programs.splat_single : programs.splat_group;
+  use(program);
+  set_camera(program, camera);
+  set_level_nodes(program, input, level);
+  set_uniform(program, "source_lines", source.lines);
+  set_uniform(
+      program, "reach",
+      static_cast<float>(std::min(2 * input.radial.level_radius(level), input.max_support_mm)));
+  set_uniform(program, "table_range", input.tables.range[l]);
+  bind_texture(program, "source_positions", 0, source.positions);
+  bind_texture(program, "source_rows", 1, source.rows);
+  bind_texture(program, "level_table", 2, input.tables.table[l]);
+  if (level == 0) {
+    bind_texture(program, "source_flux", 3, sources.flux);
+    bind_texture(program, "source_normals", 4, sources.normals);
+    set_uniform(program, "near_mm", static_cast<float>(input.near.near_mm));
+    set_uniform(program, "mean_mm", static_cast<float>(input.near.mean_mm));
+    set_uniform(program, "area_mm2", static_cast<float>(sources.area_mm2));
+    set_uniform(program, "reference_share", input.tables.reference_share);
+  }
+  for (int layer = 0; layer < view.layers; ++layer) {
+    bind(view.splat[static_cast<std::size_t>(layer)]);
+    for (int i = 0; i < (level == 0 ? 4 : 2); ++i) clear_color(i);
+    bind_texture(program, "level_positions", 5, view.positions);
+    bind_texture(program, "level_normals", 6, view.normals);
+    set_uniform(program, "layer", layer);
+    set_additive_blending(true);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LEQUAL);
+    glDepthMask(GL_FALSE);
+    glBindVertexArray(0);
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, source.count);
+  }
+  set_additive_blending(false);
+  glDisable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  check_gl("splats");
+}
+
+}  // namespace parian

@@ -1,0 +1,81 @@
+// The camera pyramid and the splats into it.
+#pragma once
+
+#include <vector>
+
+#include "gl/material_textures.h"
+#include "gl/objects.h"
+#include "gl/sources.h"
+#include "gl/surface_view.h"
+
+namespace parian {
+
+// The near term of level 0 (transport/near_term.h).
+struct NearRadii {
+  double near_mm = 0;
+  double mean_mm = 0;
+};
+
+// Targets of one level: two layers, A and B of shaders/reduce_fragment.glsl; one where a texel is a
+// pixel.
+struct ViewLevel {
+  int block = 1;  // pixels of a texel's side
+  int layers = 1;
+  Texture positions, normals, sums, moments;
+  Texture near, mean;                  // of level 0
+  std::vector<Texture> depth;          // of each layer
+  std::vector<Framebuffer> represent;  // of each layer
+  std::vector<Framebuffer> splat;
+};
+
+struct ViewPyramid {
+  int width = 0, height = 0;
+  std::vector<Texture> representatives;  // of blocks of 2, 4, 8, ... pixels
+  std::vector<ViewLevel> levels;
+  std::size_t bytes() const;
+};
+
+// Sums in 32 bits, or in 16 where the device cannot.
+struct SplatFormat {
+  TexelFormat sums = TexelFormat::rgba32f;
+};
+
+// `spacing_mm` of the samples; a level's texels are `texel_spacings` of its emitters' spacing, at
+// least a pixel.
+ViewPyramid make_view_pyramid(const SplatCamera& camera, const RadialLevels& radial,
+                              double spacing_mm, double texel_spacings, SplatFormat format);
+
+struct SplatPrograms {
+  Program reduce_first, reduce, represent_pixels, represent;
+  Program splat_single, splat_group;
+};
+SplatPrograms make_splat_programs();
+
+// After a change of camera: what every texel stands for.
+void draw_pyramid(const ViewPyramid& pyramid, const SplatPrograms& programs,
+                  const GeometryBuffer& geometry, const SplatCamera& camera);
+
+// Per level: w and the reference's logarithm over r, for splat_fragment.glsl.
+struct SplatTables {
+  std::vector<Texture> table;
+  std::vector<Vec2> range;  // first radius and step, mm
+  Vec3 reference_share;
+};
+SplatTables make_splat_tables(const RadialLevels& radial, const ReferenceProfile& reference,
+                              const NearRadii& near);
+
+// What all levels share.
+struct SplatInput {
+  const RadialLevels& radial;
+  const ReferenceProfile& reference;
+  const SplatTables& tables;
+  NearRadii near;
+  double max_support_mm;
+};
+// Reference and radii at the nodes of a level.
+void set_level_nodes(const Program& program, const SplatInput& input, int level);
+// Clears a level's targets and adds its emitters.
+void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, const Sources& sources,
+                 const SplatInput& input, const SplatCamera& camera, int level);
+
+}  // namespace parian

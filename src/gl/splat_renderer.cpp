@@ -1,0 +1,354 @@
+#include "gl/splat_renderer.h"
+
+#include <epoxy/gl.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "gl/splat_levels.h"
+#include "mesh/surface_samples.h"
+#include "transport/gather.h"
+#include "transport/irradiance.h"
+#include "transport/near_term.h"
+
+namespace parian {
+namespace {
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+const Material& get_material(const Scene& scene) {
+  if (!scene.layers.empty())
+    throw Error({scene.mesh_name, "layers", "a scene without layers for splatting",
+                 fmt::format("{}", scene.layers.size())},
+                ErrorKind::usage);
+  if (const auto* material = std::get_if<Material>(&scene.material)) return *material;
+  throw Error({scene.material_name,
+               {},
+               "a fitted or homogeneous material for splatting",
+               "a table without a fit"},
+              ErrorKind::usage);
+}
+
+Program make_resolve_program(const MaterialTextures& material, bool is_single) {
+  std::vector<std::string> defines = material.defines;
+  if (is_single) defines.emplace_back("SINGLE");
+  return make_program({"screen_vertex.glsl"}, {"material.glsl", "resolve_fragment.glsl"}, defines);
+}
+
+}  // namespace
+
+ParamList describe(SplatParams& params) {
+  return {{.name = "samples",
+           .help = "points of the surface at which light enters",
+           .target = &params.samples,
+           .min = 100,
+           .max = 4'000'000},
+          {.name = "rays",
+           .help = "per sample and environment light",
+           .target = &params.rays,
+           .min = 2,
+           .max = 65'536},
+          {.name = "antialias",
+           .help = "n x n pixels drawn per pixel",
+           .target = &params.antialias,
+           .min = 1,
+           .max = 8,
+           .symbol = "n"},
+          {.name = "octave",
+           .help = "radius of the first level in spacings of the samples",
+           .target = &params.octave,
+           .min = 3.5,
+           .max = 16},
+          {.name = "texel",
+           .help = "size of a level's texels in spacings of its emitters",
+           .target = &params.texel,
+           .min = 0.125,
+           .max = 4},
+          {.name = "seed", .help = "of samples and rays", .target = &params.seed}};
+}
+
+struct SplatRenderer::Impl {
+  Scene scene;  // without its mesh's vertices: what lights, material and camera need
+  SplatParams params;
+  SplatFormat format;
+  SplatReport report;
+
+  TriangleMesh mesh;
+  std::unique_ptr<RayTracer> tracer;
+  std::vector<SurfacePoint> samples;  // in groups
+  double area_mm2 = 0;
+  NearRadii near;
+
+  MeshBuffers mesh_buffers;
+  Program geometry_program, shade_program;
+  SplatPrograms splat_programs;
+
+  double max_support_mm = 0;
+  RadialLevels radial;
+  std::unique_ptr<MaterialTextures> material;
+  Program resolve_single, resolve_group;
+  SplatTables tables;
+  Sources sources;
+  std::vector<Rgb> flux;
+  bool groups_are_old = true;
+
+  SplatCamera camera;
+  GeometryBuffer geometry;
+  ViewPyramid pyramid;
+  Texture exitance, radiance;
+  Framebuffer exitance_target, radiance_target;
+  bool view_is_old = true;
+  std::vector<float> coverage;
+
+  void make_samples(const Progress& progress);
+  void set_material(const Material& material);
+  void make_view();
+  void resolve(int level);
+  void shade();
+  SampleGrid grid() const { return {material->width, material->height, material->pixel_pitch_mm}; }
+  SplatInput input() const { return {radial, material->reference, tables, near, max_support_mm}; }
+};
+
+void SplatRenderer::Impl::make_samples(const Progress& progress) {
+  const SurfaceSamples made =
+      make_surface_samples(mesh, static_cast<std::size_t>(params.samples), params.seed, progress);
+  area_mm2 = made.area_mm2;
+  near = {default_near_mm(area_mm2), near_mean_mm(area_mm2)};
+  for (const std::uint32_t i : order_by_groups(made.points)) samples.push_back(made.points[i]);
+  report.samples = samples.size();
+  report.sample_spacing_mm = made.spacing_mm();
+}
+
+void SplatRenderer::Impl::set_material(const Material& next) {
+  Stopwatch watch;
+  const ProfileField field = make_profile_field(next);
+  const bool same_boundary =
+      material != nullptr && material->boundary == field.boundary && material->eta == field.eta;
+  max_support_mm = static_cast<double>(field.max_support_mm);
+  radial = make_radial_levels(params.octave * std::sqrt(area_mm2), max_support_mm);
+  material = std::make_unique<MaterialTextures>(
+      make_material_textures(next, field, radial, area_mm2, near.near_mm));
+  tables = make_splat_tables(radial, material->reference, near);
+  std::vector<Vec2> places(samples.size());
+  parallel_for_blocks(samples.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const SamplePoint place = map_to_sample(scene.mapping, grid(), samples[i]);
+      places[i] = {static_cast<float>(place.x), static_cast<float>(place.y)};
+    }
+  });
+  sources = make_sources(samples, places, area_mm2, radial);
+  if (same_boundary) set_flux(sources, flux);
+  bake_profiles(sources, *material);
+  resolve_single = make_resolve_program(*material, true);
+  resolve_group = make_resolve_program(*material, false);
+  groups_are_old = view_is_old = true;
+  report.material_s = watch.lap();
+  report.levels = radial.count;
+  report.splats = 0;
+  for (const SourceLevel& level : sources.levels)
+    report.splats += static_cast<std::size_t>(level.count);
+}
+
+void SplatRenderer::Impl::make_view() {
+  const int width = camera.frame.width, height = camera.frame.height;
+  if (geometry.positions.width != width || geometry.positions.height != height) {
+    geometry = make_geometry_buffer(width, height);
+    exitance = make_texture(TexelFormat::rgba32f, width, height, "picture");
+    exitance_target = make_framebuffer({{&exitance}}, "picture");
+    radiance = make_texture(TexelFormat::rgba32f, width, height, "picture");
+    radiance_target = make_framebuffer({{&radiance}}, "picture");
+  }
+  pyramid = make_view_pyramid(camera, radial, std::sqrt(area_mm2), params.texel, format);
+  view_is_old = false;
+  report.blocks.clear();
+  for (const ViewLevel& level : pyramid.levels) report.blocks.push_back(level.block);
+  report.texture_bytes = pyramid.bytes() + material->bytes();
+  for (const SourceLevel& level : sources.levels)
+    report.texture_bytes += byte_size(level.rows) + byte_size(level.positions);
+}
+
+void SplatRenderer::Impl::resolve(int level) {
+  const auto l = static_cast<std::size_t>(level);
+  const ViewLevel& view = pyramid.levels[l];
+  const Program& program = level == 0 ? resolve_single : resolve_group;
+  bind(exitance_target);
+  if (level == 0) clear_color(0);
+  use(program);
+  bind_texture(program, "positions", 0, geometry.positions);
+  bind_texture(program, "normals", 1, geometry.normals);
+  bind_texture(program, "places", 2, geometry.places);
+  bind_texture(program, "level_positions", 3, view.positions);
+  bind_texture(program, "level_sums", 4, view.sums);
+  bind_texture(program, "level_moments", 5, view.moments);
+  int unit = 6;
+  if (level == 0) {
+    bind_texture(program, "level_normals", unit++, view.normals);
+    bind_texture(program, "level_near", unit++, view.near);
+    bind_texture(program, "level_mean", unit++, view.mean);
+    bind_texture(program, "near_integral", unit++, material->near_integral);
+    bind_texture(program, "near_count", unit++, material->near_count);
+  }
+  bind_material(program, *material, unit);
+  set_uniform(program, "block", view.block);
+  set_uniform(program, "softness",
+              static_cast<float>(0.7 * params.texel * std::ldexp(std::sqrt(area_mm2), level)));
+  set_level_nodes(program, input(), level);
+  set_additive_blending(true);
+  draw_screen();
+  set_additive_blending(false);
+  check_gl("picture");
+}
+
+void SplatRenderer::Impl::shade() {
+  bind(radiance_target);
+  use(shade_program);
+  bind_texture(shade_program, "positions", 0, geometry.positions);
+  bind_texture(shade_program, "normals", 1, geometry.normals);
+  bind_texture(shade_program, "exitances", 2, exitance);
+  set_uniform(shade_program, "is_transmitting", material->boundary == Boundary::excluded ? 1 : 0);
+  set_uniform(shade_program, "eta", static_cast<float>(material->eta));
+  set_uniform(shade_program, "exposure", std::exp2(static_cast<float>(scene.exposure)));
+  set_uniform(shade_program, "background", scene.background);
+  draw_screen();
+  check_gl("picture");
+}
+
+SplatRenderer::SplatRenderer(const GlLimits& limits, const Scene& scene, const SplatParams& params,
+                             const Progress& progress)
+    : impl_(std::make_unique<Impl>()) {
+  SplatParams checked = params;
+  check(describe(checked));
+  Stopwatch watch;
+  const Material& material = get_material(scene);
+  Impl& impl = *impl_;
+  impl.params = params;
+  impl.format.sums = limits.float_blend ? TexelFormat::rgba32f : TexelFormat::rgba16f;
+  impl.report.device = limits.renderer;
+  impl.mesh = scene.mesh;
+  impl.scene.mapping = scene.mapping;
+  impl.scene.exposure = scene.exposure;
+  impl.scene.background = scene.background;
+  impl.scene.specular = scene.specular;
+  impl.tracer = std::make_unique<RayTracer>(impl.mesh);
+  impl.mesh_buffers = make_mesh_buffers(impl.mesh);
+  impl.geometry_program = make_geometry_program();
+  impl.splat_programs = make_splat_programs();
+  impl.shade_program =
+      make_program({"screen_vertex.glsl"}, {"fresnel.glsl", "shade_fragment.glsl"});
+  impl.make_samples(progress);
+  impl.report.sampling_s = watch.lap();
+  impl.set_material(material);
+  set_lights(scene.lights, progress);
+  set_camera(scene.camera);
+}
+
+SplatRenderer::~SplatRenderer() = default;
+SplatRenderer::SplatRenderer(SplatRenderer&&) noexcept = default;
+SplatRenderer& SplatRenderer::operator=(SplatRenderer&&) noexcept = default;
+
+void SplatRenderer::set_material(const Material& material) {
+  const Boundary boundary = impl_->material->boundary;
+  const double eta = impl_->material->eta;
+  impl_->set_material(material);
+  if (impl_->material->boundary != boundary || impl_->material->eta != eta)
+    set_lights(impl_->scene.lights);
+}
+
+void SplatRenderer::set_lights(const std::vector<Light>& lights, const Progress& progress) {
+  Impl& impl = *impl_;
+  Stopwatch watch;
+  impl.scene.lights = lights;
+  IrradianceParams params;
+  params.rays = impl.params.rays;
+  params.seed = impl.params.seed;
+  impl.flux = compute_irradiance(impl.samples, lights, *impl.tracer, impl.material->boundary,
+                                 impl.material->eta, params, progress);
+  for (Rgb& value : impl.flux) value *= static_cast<float>(impl.area_mm2);
+  set_flux(impl.sources, impl.flux);
+  impl.groups_are_old = true;
+  impl.report.irradiance_s = watch.lap();
+}
+
+void SplatRenderer::set_camera(const Camera& camera) {
+  impl_->camera = make_splat_camera(camera, impl_->params.antialias, impl_->mesh_buffers.box);
+  impl_->view_is_old = true;
+}
+
+void SplatRenderer::draw(bool timed) {
+  Impl& impl = *impl_;
+  Stopwatch watch;
+  const auto lap = [&] {
+    if (timed) finish_gl();
+    return watch.lap();
+  };
+  if (impl.view_is_old) impl.make_view();
+  if (impl.groups_are_old) group_sources(impl.sources);
+  impl.groups_are_old = false;
+  impl.report.group_s = lap();
+  draw_geometry(impl.geometry, impl.geometry_program, impl.mesh_buffers, impl.camera,
+                impl.scene.mapping, impl.grid());
+  draw_pyramid(impl.pyramid, impl.splat_programs, impl.geometry, impl.camera);
+  impl.report.view_s = lap();
+  impl.report.splat_s = impl.report.resolve_s = 0;
+  for (int level = 0; level < impl.radial.count; ++level) {
+    splat_level(impl.pyramid, impl.splat_programs, impl.sources, impl.input(), impl.camera, level);
+    impl.report.splat_s += lap();
+    impl.resolve(level);
+    impl.report.resolve_s += lap();
+  }
+  impl.shade();
+  impl.report.shade_s = lap();
+}
+
+Image SplatRenderer::read() {
+  Impl& impl = *impl_;
+  Stopwatch watch;
+  const std::vector<float> values = read_pixels(impl.radiance_target);
+  const int n = impl.params.antialias;
+  const int width = impl.camera.frame.width / n, height = impl.camera.frame.height / n;
+  const float share = 1.0f / static_cast<float>(n * n);
+  Image image = make_image(width, height, 3);
+  impl.coverage.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0.0f);
+  for (int y = 0; y < n * height; ++y)
+    for (int x = 0; x < n * width; ++x) {
+      const std::size_t from =
+          4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(n * width) +
+               static_cast<std::size_t>(x));
+      for (int c = 0; c < 3; ++c)
+        at(image, x / n, y / n, c) += share * values[from + static_cast<std::size_t>(c)];
+      impl.coverage[static_cast<std::size_t>(y / n) * static_cast<std::size_t>(width) +
+                    static_cast<std::size_t>(x / n)] += share * values[from + 3];
+    }
+  impl.report.read_s = watch.lap();
+  return image;
+}
+
+const std::vector<float>& SplatRenderer::coverage() const {
+  return impl_->coverage;
+}
+
+Rgb SplatRenderer::level_flux(int level) const {
+  if (impl_->groups_are_old) group_sources(impl_->sources);
+  impl_->groups_are_old = false;
+  return total_flux(impl_->sources, level);
+}
+
+const SplatReport& SplatRenderer::report() const {
+  return impl_->report;
+}
+
+}  // namespace parian

@@ -1,0 +1,80 @@
+// The real-time renderer: multiresolution splatting (profile blending 2019, section 3.4, after Chen
+// et al. 2012) of profile maps, blends and dipoles under any lights, with nothing beyond OpenGL ES
+// 3.0, EXT_color_buffer_float and EXT_float_blend.
+//
+//   L(o) = T M(o) / pi,   M(o) = sum_i a_o(r) a_i(r) flux_i,   a = sqrt P, r = |x_i - x_o|
+//
+// The kernel is split by radius into octaves (gl/sample_levels.h). Octave l is summed from groups
+// of 4^l samples, with their moments, over texels of 4^l times the area, without the pixel's own
+// profile; every pixel takes the sums from the texels around it and applies its profile at their
+// mean radius. All images are those of render/ up to that approximation.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "gl/context.h"
+#include "image/image.h"
+#include "scene/scene.h"
+
+namespace parian {
+
+struct SplatParams {
+  int samples = 50000;  // where light enters
+  int rays = 128;       // per sample and environment light
+  int antialias = 2;    // n x n pixels drawn per pixel
+  double octave = 4;    // radius of the first level in spacings of the samples
+  double texel = 1;     // texels of a level in spacings of its emitters
+  std::uint64_t seed = 1;
+};
+ParamList describe(SplatParams& params);
+
+struct SplatReport {
+  double sampling_s = 0, irradiance_s = 0, material_s = 0;  // when lights or material change
+  double group_s = 0, view_s = 0, splat_s = 0, resolve_s = 0, shade_s = 0;  // of a picture
+  double read_s = 0;
+  std::size_t samples = 0, splats = 0;
+  double sample_spacing_mm = 0;
+  int levels = 0;
+  std::vector<int> blocks;  // pixels of each level's texels
+  std::size_t texture_bytes = 0;
+  std::string device;
+  std::vector<std::string> warnings;
+};
+
+// A scene ready to be drawn. Needs the context that it was made in to be current.
+class SplatRenderer {
+ public:
+  // Throws Error for a table without a fit and for layers, which only render/ draws, and when
+  // textures exceed the device's limits.
+  SplatRenderer(const GlLimits& limits, const Scene& scene, const SplatParams& params,
+                const Progress& progress = {});
+  ~SplatRenderer();
+  SplatRenderer(SplatRenderer&&) noexcept;
+  SplatRenderer& operator=(SplatRenderer&&) noexcept;
+
+  // Each of these and then draw; what did not change is kept.
+  void set_material(const Material& material);
+  void set_lights(const std::vector<Light>& lights, const Progress& progress = {});
+  void set_camera(const Camera& camera);
+
+  // Linear radiance times 2^exposure into textures of its own; read() copies it, averaged over the
+  // n x n pixels. `timed`: waits after each stage and fills the report.
+  void draw(bool timed = false);
+  Image read();
+  // Of the last picture: 1 where the mesh is seen by all n x n, 0 by none.
+  const std::vector<float>& coverage() const;
+  // Sum of the flux over the emitters of a level, W: the same for all of them.
+  Rgb level_flux(int level) const;
+
+  const SplatReport& report() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace parian

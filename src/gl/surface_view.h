@@ -1,0 +1,41 @@
+// What the camera sees: the mesh drawn into a geometry buffer.
+#pragma once
+
+#include "gl/objects.h"
+#include "mesh/mesh.h"
+#include "scene/camera.h"
+#include "scene/mapping.h"
+
+namespace parian {
+
+struct MeshBuffers {
+  GlHandle<destroy_vertex_array> vertex_array;
+  GlHandle<destroy_buffer> vertices, indices;
+  int index_count = 0;
+  Bounds3 box;
+};
+// Of a mesh with normals.
+MeshBuffers make_mesh_buffers(const TriangleMesh& mesh);
+void draw_mesh(const MeshBuffers& mesh);  // front to back by the depth test
+
+// Camera with the depths between which the mesh lies.
+struct SplatCamera {
+  CameraFrame frame;
+  float near_mm = 0;
+  float far_mm = 1;
+  float middle_mm = 1;  // depth of the box's centre
+};
+SplatCamera make_splat_camera(const Camera& camera, int antialias, const Bounds3& box);
+void set_camera(const Program& program, const SplatCamera& camera);
+void set_mapping(const Program& program, const Mapping& mapping, const SampleGrid& grid);
+
+struct GeometryBuffer {
+  Texture positions, normals, places, depth;
+  Framebuffer framebuffer;
+};
+GeometryBuffer make_geometry_buffer(int width, int height);
+void draw_geometry(const GeometryBuffer& buffer, const Program& program, const MeshBuffers& mesh,
+                   const SplatCamera& camera, const Mapping& mapping, const SampleGrid& grid);
+Program make_geometry_program();
+
+}  // namespace parian
