@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "gl/splat_levels.h"
+#include "mesh/closed.h"
 #include "mesh/surface_samples.h"
 #include "transport/gather.h"
 #include "transport/irradiance.h"
@@ -131,6 +132,8 @@ void SplatRenderer::Impl::make_samples(const Progress& progress) {
   for (const std::uint32_t i : order_by_groups(made.points)) samples.push_back(made.points[i]);
   report.samples = samples.size();
   report.sample_spacing_mm = made.spacing_mm();
+  report.area_mm2 = area_mm2 * static_cast<double>(samples.size());
+  report.escaping_fraction = check_closed(made, *tracer, scene.mesh_name, report.warnings);
 }
 
 void SplatRenderer::Impl::set_material(const Material& next) {
@@ -176,6 +179,7 @@ void SplatRenderer::Impl::make_view() {
   view_is_old = false;
   report.blocks.clear();
   for (const ViewLevel& level : pyramid.levels) report.blocks.push_back(level.block);
+  report.targets = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   report.texture_bytes = pyramid.bytes() + material->bytes();
   for (const SourceLevel& level : sources.levels)
     report.texture_bytes += byte_size(level.rows) + byte_size(level.positions);
@@ -239,6 +243,7 @@ SplatRenderer::SplatRenderer(const GlLimits& limits, const Scene& scene, const S
   impl.format.sums = limits.float_blend ? TexelFormat::rgba32f : TexelFormat::rgba16f;
   impl.report.device = limits.renderer;
   impl.mesh = scene.mesh;
+  impl.scene.mesh_name = scene.mesh_name;
   impl.scene.mapping = scene.mapping;
   impl.scene.exposure = scene.exposure;
   impl.scene.background = scene.background;
@@ -249,6 +254,11 @@ SplatRenderer::SplatRenderer(const GlLimits& limits, const Scene& scene, const S
   impl.splat_programs = make_splat_programs();
   impl.shade_program =
       make_program({"screen_vertex.glsl"}, {"fresnel.glsl", "shade_fragment.glsl"});
+  if (!limits.float_blend)
+    impl.report.warnings.emplace_back("the graphics driver sums in 16 bits only");
+  const auto* dipole = std::get_if<Dipole>(&material);
+  if (dipole != nullptr && dipole->single_scattering)
+    impl.report.warnings.emplace_back("single scattering is left out by splatting");
   impl.make_samples(progress);
   impl.report.sampling_s = watch.lap();
   impl.set_material(material);

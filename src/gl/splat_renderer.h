@@ -38,6 +38,9 @@ struct SplatReport {
   double read_s = 0;
   std::size_t samples = 0, splats = 0;
   double sample_spacing_mm = 0;
+  double area_mm2 = 0;           // of the mesh
+  double escaping_fraction = 0;  // of rays sent inwards: holes in the mesh
+  std::size_t targets = 0;       // pixels drawn
   int levels = 0;
   std::vector<int> blocks;  // pixels of each level's texels
   std::size_t texture_bytes = 0;
