@@ -3,6 +3,8 @@
 #include <epoxy/gl.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/check.h"
 #include "base/error.h"
 
@@ -146,6 +148,24 @@ Texture make_texture_array(TexelFormat format, int width, int height, int layers
   return create_texture({{}, format, width, height, layers}, what, data);
 }
 
+Texture make_picture_texture(const Image& image, const std::string& what) {
+  std::vector<float> values;
+  values.reserve(image.values.size() / 3 * 4);
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    values.push_back(std::min(image.values[i], 65504.0f));
+    if (i % 3 == 2) values.push_back(1);
+  }
+  Texture texture =
+      make_texture(TexelFormat::rgba16f, image.width, image.height, what, values.data());
+  glBindTexture(GL_TEXTURE_2D, texture.handle.get());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+  glGenerateMipmap(GL_TEXTURE_2D);
+  check_gl(what.c_str());
+  return texture;
+}
+
 void update_texture(const Texture& texture, const void* data) {
   const GLenum target = target_of(texture);
   const FormatParts parts = parts_of(texture.format);
@@ -165,7 +185,7 @@ std::size_t byte_size(const Texture& texture) {
 }
 
 Framebuffer make_framebuffer(const std::vector<Attachment>& colors, const std::string& what,
-                             const Texture* depth) {
+                             Attachment depth) {
   GLuint name = 0;
   glGenFramebuffers(1, &name);
   Framebuffer framebuffer;
@@ -184,7 +204,7 @@ Framebuffer make_framebuffer(const std::vector<Attachment>& colors, const std::s
     buffers.push_back(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(buffers.size()));
     attach(buffers.back(), *color.texture, color.layer);
   }
-  if (depth != nullptr) attach(GL_DEPTH_ATTACHMENT, *depth, 0);
+  if (depth.texture != nullptr) attach(GL_DEPTH_ATTACHMENT, *depth.texture, depth.layer);
   if (buffers.empty()) buffers.push_back(GL_NONE);
   glDrawBuffers(static_cast<GLsizei>(buffers.size()), buffers.data());
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
@@ -270,6 +290,14 @@ void set_uniform(const Program& program, const char* name, const std::vector<flo
 }
 void set_uniform(const Program& program, const char* name, const std::vector<int>& values) {
   glUniform1iv(locate(program, name), static_cast<GLsizei>(values.size()), values.data());
+}
+
+void set_uniform(const Program& program, const char* name, const std::vector<Mat4>& values) {
+  glUniformMatrix4fv(locate(program, name), static_cast<GLsizei>(values.size()), GL_FALSE,
+                     values[0].data());
+}
+void set_uniform(const Program& program, const char* name, const std::vector<Vec2>& values) {
+  glUniform2fv(locate(program, name), static_cast<GLsizei>(values.size()), &values[0].x);
 }
 
 void bind_texture(const Program& program, const char* name, int unit, const Texture& texture) {

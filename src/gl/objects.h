@@ -55,6 +55,9 @@ Texture make_texture(TexelFormat format, int width, int height, const std::strin
                      const void* data = nullptr);
 Texture make_texture_array(TexelFormat format, int width, int height, int layers,
                            const std::string& what, const void* data = nullptr);
+// With all coarser resolutions, linear between texels, wrapped around in x: a picture of an
+// environment, which shaders look up at any size of footprint. Radiance above 65,504 is cut.
+Texture make_picture_texture(const Image& image, const std::string& what);
 // All of it again, of the same size.
 void update_texture(const Texture& texture, const void* data);
 std::size_t byte_size(const Texture& texture);
@@ -72,7 +75,7 @@ struct Framebuffer {
 };
 // Throws Error(resource) where the driver finds it incomplete.
 Framebuffer make_framebuffer(const std::vector<Attachment>& colors, const std::string& what,
-                             const Texture* depth = nullptr);
+                             Attachment depth = {});
 // All of it becomes the viewport.
 void bind(const Framebuffer& framebuffer);
 void clear_color(int target, std::array<float, 4> value = {});
@@ -99,6 +102,10 @@ void set_uniform(const Program& program, const char* name, std::array<int, 2> va
 void set_uniform(const Program& program, const char* name, const std::vector<Vec3>& values);
 void set_uniform(const Program& program, const char* name, const std::vector<float>& values);
 void set_uniform(const Program& program, const char* name, const std::vector<int>& values);
+// Column by column.
+using Mat4 = std::array<float, 16>;
+void set_uniform(const Program& program, const char* name, const std::vector<Mat4>& values);
+void set_uniform(const Program& program, const char* name, const std::vector<Vec2>& values);
 void bind_texture(const Program& program, const char* name, int unit, const Texture& texture);
 
 // One triangle over the whole target (shaders/screen_vertex.glsl).

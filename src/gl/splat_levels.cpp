@@ -44,13 +44,13 @@ ViewLevel make_view_level(int width, int height, int block, bool is_single, Spla
   for (int layer = 0; layer < level.layers; ++layer) {
     level.depth.push_back(make_texture(TexelFormat::depth32f, width, height, "camera pyramid"));
     level.represent.push_back(make_framebuffer({{&level.positions, layer}, {&level.normals, layer}},
-                                               "camera pyramid", &level.depth.back()));
+                                               "camera pyramid", {&level.depth.back()}));
     std::vector<Attachment> targets{{&level.sums, layer}, {&level.moments, layer}};
     if (is_single) {
       targets.push_back({&level.near, layer});
       targets.push_back({&level.mean, layer});
     }
-    level.splat.push_back(make_framebuffer(targets, "splats", &level.depth.back()));
+    level.splat.push_back(make_framebuffer(targets, "splats", {&level.depth.back()}));
   }
   return level;
 }

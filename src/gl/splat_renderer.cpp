@@ -3,12 +3,15 @@
 #include <epoxy/gl.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "gl/lamps.h"
 #include "gl/splat_levels.h"
+#include "mesh/closed.h"
 #include "mesh/surface_samples.h"
 #include "transport/gather.h"
 #include "transport/irradiance.h"
@@ -41,6 +44,48 @@ const Material& get_material(const Scene& scene) {
                "a fitted or homogeneous material for splatting",
                "a table without a fit"},
               ErrorKind::usage);
+}
+
+bool is_same(const EnvironmentLight& a, const EnvironmentLight& b) {
+  return a.rotation_deg == b.rotation_deg && a.scale == b.scale && a.image.width == b.image.width &&
+         a.image.values == b.image.values;
+}
+
+std::vector<EnvironmentLight> find_environments(const std::vector<Light>& lights) {
+  std::vector<EnvironmentLight> found;
+  for (const Light& light : lights)
+    if (const auto* environment = std::get_if<EnvironmentLight>(&light))
+      found.push_back(*environment);
+  return found;
+}
+
+// Of lamp.glsl with one view or the six of a cube.
+struct LampProgram {
+  Program one, six;
+  const Program& of(const Lamp& lamp) const { return lamp.views.size() == 1 ? one : six; }
+};
+LampProgram make_lamp_program(const std::vector<std::string_view>& fragment) {
+  const std::vector<std::string_view> vertex{"screen_vertex.glsl"};
+  return {make_program(vertex, fragment, {"SHADOW_VIEWS 1"}),
+          make_program(vertex, fragment, {"SHADOW_VIEWS 6"})};
+}
+
+// What lights need on the device.
+struct LightPrograms {
+  LampProgram flux, reflection;
+  Program sky_reflection, sky_background;
+};
+LightPrograms make_light_programs() {
+  LightPrograms programs;
+  programs.flux = make_lamp_program({"fresnel.glsl", "lamp.glsl", "lamp_flux_fragment.glsl"});
+  programs.reflection = make_lamp_program(
+      {"fresnel.glsl", "reflector.glsl", "lamp.glsl", "lamp_reflection_fragment.glsl"});
+  programs.sky_reflection =
+      make_program({"screen_vertex.glsl"},
+                   {"fresnel.glsl", "reflector.glsl", "sky.glsl", "sky_reflection_fragment.glsl"});
+  programs.sky_background = make_program(
+      {"screen_vertex.glsl"}, {"camera.glsl", "sky.glsl", "sky_background_fragment.glsl"});
+  return programs;
 }
 
 Program make_resolve_program(const MaterialTextures& material, bool is_single) {
@@ -78,6 +123,19 @@ ParamList describe(SplatParams& params) {
            .target = &params.texel,
            .min = 0.125,
            .max = 4},
+          {.name = "lights",
+           .help = "how directional and point lights reach the surface: traced, or by shadow maps",
+           .target = make_choice(params.lights, {"traced", "mapped"})},
+          {.name = "shadow-size",
+           .help = "texels of a shadow map's side",
+           .target = &params.shadow_size,
+           .min = 64,
+           .max = 16'384},
+          {.name = "reflection-rays",
+           .help = "per pixel drawn and environment light",
+           .target = &params.reflection_rays,
+           .min = 1,
+           .max = 1024},
           {.name = "seed", .help = "of samples and rays", .target = &params.seed}};
 }
 
@@ -103,7 +161,11 @@ struct SplatRenderer::Impl {
   Program resolve_single, resolve_group;
   SplatTables tables;
   Sources sources;
-  std::vector<Rgb> flux;
+  std::vector<Rgb> flux;  // traced: of all lights, or of environments alone
+  LightPrograms light_programs;
+  std::vector<Lamp> lamps;
+  std::vector<Sky> skies;
+  bool flux_is_kept = false;
   bool groups_are_old = true;
 
   SplatCamera camera;
@@ -116,9 +178,14 @@ struct SplatRenderer::Impl {
 
   void make_samples(const Progress& progress);
   void set_material(const Material& material);
+  void make_lights(const std::vector<Light>& lights);
+  void trace_flux(const std::vector<Light>& lights, const Progress& progress);
+  void put_flux();
   void make_view();
   void resolve(int level);
   void shade();
+  void reflect();
+  const Program& use_reflector(const Program& program) const;
   SampleGrid grid() const { return {material->width, material->height, material->pixel_pitch_mm}; }
   SplatInput input() const { return {radial, material->reference, tables, near, max_support_mm}; }
 };
@@ -131,6 +198,8 @@ void SplatRenderer::Impl::make_samples(const Progress& progress) {
   for (const std::uint32_t i : order_by_groups(made.points)) samples.push_back(made.points[i]);
   report.samples = samples.size();
   report.sample_spacing_mm = made.spacing_mm();
+  report.area_mm2 = area_mm2 * static_cast<double>(samples.size());
+  report.escaping_fraction = check_closed(made, *tracer, scene.mesh_name, report.warnings);
 }
 
 void SplatRenderer::Impl::set_material(const Material& next) {
@@ -151,7 +220,7 @@ void SplatRenderer::Impl::set_material(const Material& next) {
     }
   });
   sources = make_sources(samples, places, area_mm2, radial);
-  if (same_boundary) set_flux(sources, flux);
+  if (same_boundary) put_flux();
   bake_profiles(sources, *material);
   resolve_single = make_resolve_program(*material, true);
   resolve_group = make_resolve_program(*material, false);
@@ -161,6 +230,53 @@ void SplatRenderer::Impl::set_material(const Material& next) {
   report.splats = 0;
   for (const SourceLevel& level : sources.levels)
     report.splats += static_cast<std::size_t>(level.count);
+}
+
+void SplatRenderer::Impl::make_lights(const std::vector<Light>& lights) {
+  lamps.clear();
+  skies.clear();
+  const bool reflects = scene.specular.enabled, maps = params.lights == LightMode::mapped;
+  for (const Light& light : lights) {
+    if (const auto* sky = std::get_if<EnvironmentLight>(&light)) {
+      if (reflects || scene.show_environment) skies.push_back(make_sky(*sky));
+    } else if (reflects || maps) {
+      const auto* sun = std::get_if<DirectionalLight>(&light);
+      lamps.push_back(sun != nullptr ? make_lamp(*sun, mesh_buffers, params.shadow_size)
+                                     : make_lamp(std::get<PointLight>(light), mesh_buffers,
+                                                 params.shadow_size));
+    }
+  }
+}
+
+void SplatRenderer::Impl::trace_flux(const std::vector<Light>& lights, const Progress& progress) {
+  IrradianceParams of_rays;
+  of_rays.rays = params.rays;
+  of_rays.seed = params.seed;
+  flux = compute_irradiance(samples, lights, *tracer, material->boundary, material->eta, of_rays,
+                            progress);
+  for (Rgb& value : flux) value *= static_cast<float>(area_mm2);
+}
+
+void SplatRenderer::Impl::put_flux() {
+  set_flux(sources, flux);
+  groups_are_old = true;
+  if (params.lights == LightMode::traced) return;
+  const Framebuffer target = make_framebuffer({{&sources.flux}}, "flux of samples");
+  bind(target);
+  set_additive_blending(true);
+  for (const Lamp& lamp : lamps) {
+    const Program& program = light_programs.flux.of(lamp);
+    use(program);
+    bind_texture(program, "sample_positions", 0, sources.levels.front().positions);
+    bind_texture(program, "sample_normals", 1, sources.normals);
+    bind_lamp(program, lamp, 2);
+    set_uniform(program, "is_transmitting", material->boundary == Boundary::excluded ? 1 : 0);
+    set_uniform(program, "eta", static_cast<float>(material->eta));
+    set_uniform(program, "area_mm2", static_cast<float>(area_mm2));
+    draw_screen();
+  }
+  set_additive_blending(false);
+  check_gl("flux of samples");
 }
 
 void SplatRenderer::Impl::make_view() {
@@ -176,6 +292,7 @@ void SplatRenderer::Impl::make_view() {
   view_is_old = false;
   report.blocks.clear();
   for (const ViewLevel& level : pyramid.levels) report.blocks.push_back(level.block);
+  report.targets = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   report.texture_bytes = pyramid.bytes() + material->bytes();
   for (const SourceLevel& level : sources.levels)
     report.texture_bytes += byte_size(level.rows) + byte_size(level.positions);
@@ -222,9 +339,51 @@ void SplatRenderer::Impl::shade() {
   set_uniform(shade_program, "is_transmitting", material->boundary == Boundary::excluded ? 1 : 0);
   set_uniform(shade_program, "eta", static_cast<float>(material->eta));
   set_uniform(shade_program, "exposure", std::exp2(static_cast<float>(scene.exposure)));
-  set_uniform(shade_program, "background", scene.background);
+  set_uniform(shade_program, "background", scene.show_environment ? Rgb{} : scene.background);
   draw_screen();
+  reflect();
   check_gl("picture");
+}
+
+const Program& SplatRenderer::Impl::use_reflector(const Program& program) const {
+  use(program);
+  bind_texture(program, "positions", 0, geometry.positions);
+  bind_texture(program, "normals", 1, geometry.normals);
+  bind_texture(program, "places", 2, geometry.places);
+  const double roughness = scene.specular.roughness;
+  set_uniform(program, "viewer", camera.frame.position);
+  set_uniform(program, "alpha", std::max(1e-3f, static_cast<float>(roughness * roughness)));
+  set_uniform(program, "eta",
+              static_cast<float>(scene.specular.eta > 0 ? scene.specular.eta : material->eta));
+  set_uniform(program, "exposure", std::exp2(static_cast<float>(scene.exposure)));
+  return program;
+}
+
+// Adds reflections, and environments behind the object.
+void SplatRenderer::Impl::reflect() {
+  bind(radiance_target);
+  set_additive_blending(true);
+  if (scene.specular.enabled) {
+    for (const Lamp& lamp : lamps) {
+      bind_lamp(use_reflector(light_programs.reflection.of(lamp)), lamp, 3);
+      draw_screen();
+    }
+    for (const Sky& sky : skies) {
+      const Program& program = use_reflector(light_programs.sky_reflection);
+      set_uniform(program, "rays", params.reflection_rays);
+      bind_sky(program, sky, 3);
+      draw_screen();
+    }
+  }
+  if (scene.show_environment)
+    for (const Sky& sky : skies) {
+      const Program& program = use_reflector(light_programs.sky_background);
+      parian::set_camera(program, camera);
+      bind_sky(program, sky, 3);
+      draw_screen();
+    }
+  set_additive_blending(false);
+  check_gl("reflections");
 }
 
 SplatRenderer::SplatRenderer(const GlLimits& limits, const Scene& scene, const SplatParams& params,
@@ -239,16 +398,24 @@ SplatRenderer::SplatRenderer(const GlLimits& limits, const Scene& scene, const S
   impl.format.sums = limits.float_blend ? TexelFormat::rgba32f : TexelFormat::rgba16f;
   impl.report.device = limits.renderer;
   impl.mesh = scene.mesh;
+  impl.scene.mesh_name = scene.mesh_name;
   impl.scene.mapping = scene.mapping;
   impl.scene.exposure = scene.exposure;
   impl.scene.background = scene.background;
+  impl.scene.show_environment = scene.show_environment;
   impl.scene.specular = scene.specular;
+  impl.light_programs = make_light_programs();
   impl.tracer = std::make_unique<RayTracer>(impl.mesh);
   impl.mesh_buffers = make_mesh_buffers(impl.mesh);
   impl.geometry_program = make_geometry_program();
   impl.splat_programs = make_splat_programs();
   impl.shade_program =
       make_program({"screen_vertex.glsl"}, {"fresnel.glsl", "shade_fragment.glsl"});
+  if (!limits.float_blend)
+    impl.report.warnings.emplace_back("the graphics driver sums in 16 bits only");
+  const auto* dipole = std::get_if<Dipole>(&material);
+  if (dipole != nullptr && dipole->single_scattering)
+    impl.report.warnings.emplace_back("single scattering is left out by splatting");
   impl.make_samples(progress);
   impl.report.sampling_s = watch.lap();
   impl.set_material(material);
@@ -264,22 +431,28 @@ void SplatRenderer::set_material(const Material& material) {
   const Boundary boundary = impl_->material->boundary;
   const double eta = impl_->material->eta;
   impl_->set_material(material);
-  if (impl_->material->boundary != boundary || impl_->material->eta != eta)
-    set_lights(impl_->scene.lights);
+  if (impl_->material->boundary != boundary || impl_->material->eta != eta) {
+    impl_->flux_is_kept = false;
+    const std::vector<Light> lights = impl_->scene.lights;
+    set_lights(lights);
+  }
 }
 
 void SplatRenderer::set_lights(const std::vector<Light>& lights, const Progress& progress) {
   Impl& impl = *impl_;
   Stopwatch watch;
+  impl.make_lights(lights);
+  if (impl.params.lights == LightMode::traced) {
+    impl.trace_flux(lights, progress);
+  } else {
+    const auto old = find_environments(impl.scene.lights), next = find_environments(lights);
+    if (!impl.flux_is_kept ||
+        !std::equal(old.begin(), old.end(), next.begin(), next.end(), is_same))
+      impl.trace_flux({next.begin(), next.end()}, progress);
+    impl.flux_is_kept = true;
+  }
   impl.scene.lights = lights;
-  IrradianceParams params;
-  params.rays = impl.params.rays;
-  params.seed = impl.params.seed;
-  impl.flux = compute_irradiance(impl.samples, lights, *impl.tracer, impl.material->boundary,
-                                 impl.material->eta, params, progress);
-  for (Rgb& value : impl.flux) value *= static_cast<float>(impl.area_mm2);
-  set_flux(impl.sources, impl.flux);
-  impl.groups_are_old = true;
+  impl.put_flux();
   impl.report.irradiance_s = watch.lap();
 }
 

@@ -2,12 +2,14 @@
 // et al. 2012) of profile maps, blends and dipoles under any lights, with nothing beyond OpenGL ES
 // 3.0, EXT_color_buffer_float and EXT_float_blend.
 //
-//   L(o) = T M(o) / pi,   M(o) = sum_i a_o(r) a_i(r) flux_i,   a = sqrt P, r = |x_i - x_o|
+//   L(o) = T M(o) / pi + specular,   M(o) = sum_i a_o(r) a_i(r) flux_i,   a = sqrt P, r = |x_i -
+//   x_o|
 //
 // The kernel is split by radius into octaves (gl/sample_levels.h). Octave l is summed from groups
 // of 4^l samples, with their moments, over texels of 4^l times the area, without the pixel's own
 // profile; every pixel takes the sums from the texels around it and applies its profile at their
-// mean radius. All images are those of render/ up to that approximation.
+// mean radius. The reflection is that of render/ but for environments, which the object does not
+// hide from itself. All images are those of render/ up to these approximations.
 #pragma once
 
 #include <memory>
@@ -22,12 +24,19 @@
 
 namespace parian {
 
+// How directional and point lights reach the samples: by rays traced on the CPU, or by shadow maps,
+// which follow a moving light at once. Environments are always traced, and kept until they change.
+enum class LightMode { traced, mapped };
+
 struct SplatParams {
   int samples = 50000;  // where light enters
   int rays = 128;       // per sample and environment light
   int antialias = 2;    // n x n pixels drawn per pixel
   double octave = 4;    // radius of the first level in spacings of the samples
   double texel = 1;     // texels of a level in spacings of its emitters
+  LightMode lights = LightMode::traced;
+  int shadow_size = 2048;    // texels of a shadow map's side
+  int reflection_rays = 16;  // per pixel drawn and environment light
   std::uint64_t seed = 1;
 };
 ParamList describe(SplatParams& params);
@@ -38,6 +47,9 @@ struct SplatReport {
   double read_s = 0;
   std::size_t samples = 0, splats = 0;
   double sample_spacing_mm = 0;
+  double area_mm2 = 0;           // of the mesh
+  double escaping_fraction = 0;  // of rays sent inwards: holes in the mesh
+  std::size_t targets = 0;       // pixels drawn
   int levels = 0;
   std::vector<int> blocks;  // pixels of each level's texels
   std::size_t texture_bytes = 0;

@@ -114,7 +114,7 @@ GeometryBuffer make_geometry_buffer(int width, int height) {
     *texture = make_texture(TexelFormat::rgba32f, width, height, "geometry buffer");
   buffer.depth = make_texture(TexelFormat::depth32f, width, height, "geometry buffer");
   buffer.framebuffer = make_framebuffer({{&buffer.positions}, {&buffer.normals}, {&buffer.places}},
-                                        "geometry buffer", &buffer.depth);
+                                        "geometry buffer", {&buffer.depth});
   return buffer;
 }
 

@@ -12,6 +12,7 @@
 #include "app/cli/command.h"
 #include "app/cli/inputs.h"
 #include "app/cli/output.h"
+#include "app/cli/render_splat.h"
 #include "app/cli/sweep.h"
 #include "base/error.h"
 #include "io/hdf5/transport_file.h"
@@ -21,10 +22,25 @@
 namespace parian {
 namespace {
 
+enum class Method { brute, tree, splat };
+
 struct RenderOptions {
   std::string scene, output, transport, sweep;
+  Method method = Method::tree;
   RenderParams params;
 };
+
+// The renderer's, with the graphics device as one more method.
+ParamList describe(RenderOptions& options) {
+  ParamList params = describe(options.params);
+  params.front() = {.name = "method",
+                    .help =
+                        "how light is gathered: every sample, the moment tree, or splatting on "
+                        "the graphics device; a table without a fit is always gathered from "
+                        "every sample",
+                    .target = make_choice(options.method, {"brute", "tree", "splat"})};
+  return params;
+}
 
 void check_picture_name(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
@@ -93,6 +109,8 @@ std::string summarise(const RenderOptions& options, const Scene& scene,
     text += fmt::format(" by the tree, {:.0f} nodes and samples each\n", report.nodes_per_target);
   else if (report.gather == "transport")
     text += " from transport\n";
+  else if (report.gather == "splat")
+    text += " by splatting\n";
   else if (report.gather == "table")
     text += " from the table without a fit\n";
   else
@@ -120,6 +138,12 @@ const Dipole& get_dipole(const Scene& scene, const std::string& flag) {
 }
 
 FrameSource make_frames(Scene& scene, const RenderOptions& options, const Context& context) {
+  if (options.method == Method::splat) {
+    if (!options.transport.empty())
+      throw Error({{}, "--transport", "'brute' or 'tree' as --method", "'splat'"},
+                  ErrorKind::usage);
+    return make_splat_frames(scene, options.params, context.progress);
+  }
   if (options.transport.empty())
     return [&](const Dipole* material) {
       if (material != nullptr) scene.material = Material(*material);
@@ -178,6 +202,7 @@ void render_sweep(const Scene& scene, const FrameSource& frames, const Sweep& sw
 
 // A name on the command line is checked before the scene is read, which may take seconds.
 void render_file(RenderOptions options, const Context& context) {
+  if (options.method == Method::brute) options.params.method = GatherMethod::brute;
   if (!options.output.empty()) {
     check_picture_name(options.output);
     check_output(options.output, {options.scene});
@@ -223,7 +248,7 @@ CommandSpec make_render_command() {
        "sigma_a, sigma_s, sigma_s_prime, g or thickness_mm over a range: a contact sheet, or a "
        "picture for each value where the output's name has '#'",
        &options->sweep}};
-  command.params = describe(options->params);
+  command.params = describe(*options);
   command.has_figures = true;
   command.run = [options](const Context& context) { render_file(*options, context); };
   return command;

@@ -1,0 +1,15 @@
+// What one light adds to the picture by reflection.
+uniform float exposure;
+layout(location = 0) out vec4 radiance;
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  if (texelFetch(positions, pixel, 0).w <= 0.0) discard;
+  Reflector seen = get_reflector(pixel);
+  vec3 light = lamp_direction(seen.position);
+  if (dot(seen.geometric_normal, light) <= 0.0) discard;
+  float f = eval_ggx(seen, light);
+  if (f <= 0.0) discard;
+  f *= visibility(seen.position, seen.geometric_normal);
+  radiance = vec4(exposure * f * lamp_irradiance(seen.position), 0.0);
+}
