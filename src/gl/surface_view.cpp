@@ -38,12 +38,11 @@ MeshBuffers make_mesh_buffers(const TriangleMesh& mesh) {
   }
   buffers.vertices = GlHandle<destroy_buffer>(fill_buffer(GL_ARRAY_BUFFER, vertices));
   const GLint sizes[3] = {3, 3, 2};
-  std::uintptr_t offset = 0;
+  const char* offset = nullptr;  // into the buffer, as OpenGL wants it
   for (GLuint i = 0; i < 3; ++i) {
     glEnableVertexAttribArray(i);
-    glVertexAttribPointer(i, sizes[i], GL_FLOAT, GL_FALSE, stride * sizeof(float),
-                          reinterpret_cast<const void*>(offset));
-    offset += static_cast<std::uintptr_t>(sizes[i]) * sizeof(float);
+    glVertexAttribPointer(i, sizes[i], GL_FLOAT, GL_FALSE, stride * sizeof(float), offset);
+    offset += static_cast<std::size_t>(sizes[i]) * sizeof(float);
   }
   buffers.indices = GlHandle<destroy_buffer>(fill_buffer(GL_ELEMENT_ARRAY_BUFFER, mesh.triangles));
   buffers.index_count = static_cast<int>(3 * mesh.triangles.size());

@@ -51,9 +51,10 @@ ProfileBlend make_mixed_blend() {
   blend.index.resize(2 * pixels);
   blend.weight.resize(pixels);
   for (std::size_t i = 0; i < pixels; ++i) {
-    const double x = static_cast<double>(i % 24), y = static_cast<double>(i / 24);
+    const std::size_t row = i / 24;
+    const double x = static_cast<double>(i % 24), y = static_cast<double>(row);
     blend.index[i] = static_cast<std::uint16_t>((i / 4) % 6);
-    blend.index[pixels + i] = static_cast<std::uint16_t>((i / 24 / 3) % 6);
+    blend.index[pixels + i] = static_cast<std::uint16_t>((row / 3) % 6);
     blend.weight[i] = static_cast<float>(0.5 + 0.5 * std::sin(0.7 * x) * std::cos(0.5 * y));
   }
   check(blend, "test blend");
