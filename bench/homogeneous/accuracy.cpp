@@ -197,6 +197,7 @@ void study_single(const Page& page, const Setting& setting) {
     normals.push_back(points.back().normal);
   }
   std::vector<GatherPoint> targets;
+  targets.reserve(points.size());
   for (const SurfacePoint& point : points)
     targets.push_back({.position = point.position, .normal = point.normal});
   HomogeneousTransport transport;
