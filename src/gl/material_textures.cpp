@@ -89,6 +89,8 @@ Planes make_planes(const ProfileField& field, const std::vector<float>& nodes, d
   return planes;
 }
 
+// Of samples, for their sum to be trusted alone (transport/near_term.h).
+constexpr float enough = 8;
 // Profiles that have fallen by this much count no further.
 constexpr float deepest = 6;
 
@@ -200,6 +202,7 @@ MaterialTextures make_material_textures(const Material& material, const ProfileF
   textures.support = plane(planes.support, "supports of the profiles");
   textures.near_integral = plane(planes.integral, "near term");
   textures.near_count = plane(planes.count, "near term");
+  textures.is_sparse = *std::min_element(planes.count.begin(), planes.count.end()) < enough;
   if (blend != nullptr)
     add_blend(*blend, textures);
   else

@@ -31,6 +31,7 @@ struct MaterialTextures {
   Texture support;
   Texture half_log;                   // of a map
   Texture base, index, weight, gain;  // of a blend
+  bool is_sparse = false;             // somewhere too few samples carry the near term
   Texture near_integral, near_count;  // of the near term
 
   std::size_t bytes() const;

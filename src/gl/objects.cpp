@@ -312,6 +312,16 @@ void draw_screen() {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
+void draw_screen_on_surface() {
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDepthMask(GL_FALSE);
+  glBindVertexArray(0);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_DEPTH_TEST);
+}
+
 void set_additive_blending(bool enabled) {
   enabled ? glEnable(GL_BLEND) : glDisable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);

@@ -110,6 +110,8 @@ void bind_texture(const Program& program, const char* name, int unit, const Text
 
 // One triangle over the whole target (shaders/screen_vertex.glsl).
 void draw_screen();
+// Where the target's depth is nearer than the far plane: on what has been drawn.
+void draw_screen_on_surface();
 void set_additive_blending(bool enabled);
 
 // Throws Error(contract) naming `where` when OpenGL has recorded an error.

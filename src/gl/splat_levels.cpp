@@ -1,6 +1,7 @@
 #include "gl/splat_levels.h"
 
 #include <epoxy/gl.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +10,8 @@
 namespace parian {
 namespace {
 
-constexpr int table_steps = 128;
+constexpr int tile = 8;  // texels of a side
+constexpr int table_steps = 1024;
 // B is kept where it lies farther from A than this many texels' sides.
 constexpr double layer_distance = 1.5;
 
@@ -17,12 +19,12 @@ int blocks_of(int pixels, int block) {
   return (pixels + block - 1) / block;
 }
 
-// Pixels of a side of a level's texels: a power of two.
+// Pixels of a side of a level's texels: the power of two that is nearest to what is wanted.
 int choose_block(const SplatCamera& camera, double wanted_mm) {
   const double pixel_mm =
       2 * camera.frame.half_height / camera.frame.height * static_cast<double>(camera.middle_mm);
   int block = 1;
-  while (2 * block * pixel_mm <= wanted_mm && block < 4096) block *= 2;
+  while (std::numbers::sqrt2 * block * pixel_mm <= wanted_mm && block < 4096) block *= 2;
   return block;
 }
 
@@ -39,16 +41,19 @@ ViewLevel make_view_level(int width, int height, int block, bool is_single, Spla
   level.moments = make(format.sums);
   if (is_single) {
     level.near = make(format.sums);
-    level.mean = make(format.sums);
+    if (format.with_mean) level.mean = make(format.sums);
   }
   for (int layer = 0; layer < level.layers; ++layer) {
     level.depth.push_back(make_texture(TexelFormat::depth32f, width, height, "camera pyramid"));
     level.represent.push_back(make_framebuffer({{&level.positions, layer}, {&level.normals, layer}},
                                                "camera pyramid", {&level.depth.back()}));
+    level.tiles.push_back(make_texture(TexelFormat::r32f, blocks_of(width, tile),
+                                       blocks_of(height, tile), "camera pyramid"));
+    level.tile.push_back(make_framebuffer({{&level.tiles.back()}}, "camera pyramid"));
     std::vector<Attachment> targets{{&level.sums, layer}, {&level.moments, layer}};
     if (is_single) {
       targets.push_back({&level.near, layer});
-      targets.push_back({&level.mean, layer});
+      if (format.with_mean) targets.push_back({&level.mean, layer});
     }
     level.splat.push_back(make_framebuffer(targets, "splats", {&level.depth.back()}));
   }
@@ -78,6 +83,12 @@ void represent(const ViewPyramid& pyramid, const ViewLevel& level, const SplatPr
     glDepthMask(GL_TRUE);
     glBindVertexArray(0);
     glDrawArrays(GL_TRIANGLES, 0, 3);
+  }
+  use(programs.tiles);
+  for (std::size_t layer = 0; layer < level.tile.size(); ++layer) {
+    bind(level.tile[layer]);
+    bind_texture(programs.tiles, "depth", 0, level.depth[layer]);
+    draw_screen();
   }
 }
 
@@ -122,9 +133,13 @@ SplatPrograms make_splat_programs() {
   programs.represent_pixels =
       make_program(screen, {"camera.glsl", "represent_fragment.glsl"}, {"FULL"});
   programs.represent = make_program(screen, {"camera.glsl", "represent_fragment.glsl"});
+  const std::string tiles = fmt::format("TILE {}", tile);
+  programs.tiles = make_program(screen, {"tiles_fragment.glsl"}, {tiles});
   const std::vector<std::string_view> vertex{"camera.glsl", "sources.glsl", "splat_vertex.glsl"};
-  programs.splat_single = make_program(vertex, {"splat_fragment.glsl"}, {"SINGLE"});
-  programs.splat_group = make_program(vertex, {"splat_fragment.glsl"});
+  programs.splat_single = make_program(vertex, {"splat_fragment.glsl"}, {"SINGLE", tiles});
+  programs.splat_single_mean =
+      make_program(vertex, {"splat_fragment.glsl"}, {"SINGLE", "MEAN", tiles});
+  programs.splat_group = make_program(vertex, {"splat_fragment.glsl"}, {tiles});
   return programs;
 }
 
@@ -154,15 +169,15 @@ SplatTables make_splat_tables(const RadialLevels& radial, const ReferenceProfile
     const double radius = radial.level_radius(l), first = l == 0 ? 0 : radius / 2;
     const double step = (2 * radius - first) / table_steps;
     std::vector<float> values;
-    for (int i = 0; i < table_steps + 2; ++i) {
-      const double r = first + i * step;
+    for (int i = 0; i < table_steps; ++i) {
+      const double r = first + (i + 0.5) * step;
       const Vec3 h = eval_reference(reference, r);
       for (const float value :
            {2 * h.x, 2 * h.y, 2 * h.z, static_cast<float>(level_weight(radial, l, r))})
         values.push_back(value);
     }
     tables.table.push_back(
-        make_texture(TexelFormat::rgba32f, table_steps + 2, 1, "splat table", values.data()));
+        make_texture(TexelFormat::rgba32f, table_steps, 1, "splat table", values.data()));
     tables.range.push_back({static_cast<float>(first), static_cast<float>(step)});
   }
   // 1/3 over int A^2 w dA: the sampled integral over the true one, mean of the channels.
@@ -199,7 +214,10 @@ void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, cons
   const auto l = static_cast<std::size_t>(level);
   const ViewLevel& view = pyramid.levels[l];
   const SourceLevel& source = sources.levels[l];
-  const Program& program = level == 0 ? programs.splat_single : programs.splat_group;
+  const int targets = level > 0 ? 2 : view.mean.handle.get() == 0 ? 3 : 4;
+  const Program& program = targets == 2   ? programs.splat_group
+                           : targets == 3 ? programs.splat_single
+                                          : programs.splat_single_mean;
   use(program);
   set_camera(program, camera);
   set_level_nodes(program, input, level);
@@ -221,9 +239,13 @@ void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, cons
   }
   for (int layer = 0; layer < view.layers; ++layer) {
     bind(view.splat[static_cast<std::size_t>(layer)]);
-    for (int i = 0; i < (level == 0 ? 4 : 2); ++i) clear_color(i);
+    for (int i = 0; i < targets; ++i) clear_color(i);
     bind_texture(program, "level_positions", 5, view.positions);
     bind_texture(program, "level_normals", 6, view.normals);
+    bind_texture(program, "tiles", 7, view.tiles[static_cast<std::size_t>(layer)]);
+    set_uniform(
+        program, "level_size",
+        Vec2{static_cast<float>(view.positions.width), static_cast<float>(view.positions.height)});
     set_uniform(program, "layer", layer);
     set_additive_blending(true);
     glEnable(GL_DEPTH_TEST);

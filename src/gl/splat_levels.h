@@ -23,8 +23,9 @@ struct ViewLevel {
   int layers = 1;
   Texture positions, normals, sums, moments;
   Texture near, mean;                  // of level 0
-  std::vector<Texture> depth;          // of each layer
+  std::vector<Texture> depth, tiles;   // of each layer
   std::vector<Framebuffer> represent;  // of each layer
+  std::vector<Framebuffer> tile;
   std::vector<Framebuffer> splat;
 };
 
@@ -35,9 +36,10 @@ struct ViewPyramid {
   std::size_t bytes() const;
 };
 
-// Sums in 32 bits, or in 16 where the device cannot.
+// Sums in 32 bits, or in 16 where the device cannot; and what is summed.
 struct SplatFormat {
   TexelFormat sums = TexelFormat::rgba32f;
+  bool with_mean = true;  // the mean irradiance around texels, where samples are too few
 };
 
 // `spacing_mm` of the samples; a level's texels are `texel_spacings` of its emitters' spacing, at
@@ -46,8 +48,8 @@ ViewPyramid make_view_pyramid(const SplatCamera& camera, const RadialLevels& rad
                               double spacing_mm, double texel_spacings, SplatFormat format);
 
 struct SplatPrograms {
-  Program reduce_first, reduce, represent_pixels, represent;
-  Program splat_single, splat_group;
+  Program reduce_first, reduce, represent_pixels, represent, tiles;
+  Program splat_single, splat_single_mean, splat_group;
 };
 SplatPrograms make_splat_programs();
 

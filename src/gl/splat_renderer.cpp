@@ -91,6 +91,7 @@ LightPrograms make_light_programs() {
 Program make_resolve_program(const MaterialTextures& material, bool is_single) {
   std::vector<std::string> defines = material.defines;
   if (is_single) defines.emplace_back("SINGLE");
+  if (is_single && material.is_sparse) defines.emplace_back("MEAN");
   return make_program({"screen_vertex.glsl"}, {"material.glsl", "resolve_fragment.glsl"}, defines);
 }
 
@@ -284,11 +285,12 @@ void SplatRenderer::Impl::make_view() {
   if (geometry.positions.width != width || geometry.positions.height != height) {
     geometry = make_geometry_buffer(width, height);
     exitance = make_texture(TexelFormat::rgba32f, width, height, "picture");
-    exitance_target = make_framebuffer({{&exitance}}, "picture");
+    exitance_target = make_framebuffer({{&exitance}}, "picture", {&geometry.depth});
     radiance = make_texture(TexelFormat::rgba32f, width, height, "picture");
-    radiance_target = make_framebuffer({{&radiance}}, "picture");
+    radiance_target = make_framebuffer({{&radiance}}, "picture", {&geometry.depth});
   }
-  pyramid = make_view_pyramid(camera, radial, std::sqrt(area_mm2), params.texel, format);
+  pyramid = make_view_pyramid(camera, radial, std::sqrt(area_mm2), params.texel,
+                              {format.sums, material->is_sparse});
   view_is_old = false;
   report.blocks.clear();
   for (const ViewLevel& level : pyramid.levels) report.blocks.push_back(level.block);
@@ -315,8 +317,10 @@ void SplatRenderer::Impl::resolve(int level) {
   if (level == 0) {
     bind_texture(program, "level_normals", unit++, view.normals);
     bind_texture(program, "level_near", unit++, view.near);
-    bind_texture(program, "level_mean", unit++, view.mean);
-    bind_texture(program, "near_integral", unit++, material->near_integral);
+    if (material->is_sparse) {
+      bind_texture(program, "level_mean", unit++, view.mean);
+      bind_texture(program, "near_integral", unit++, material->near_integral);
+    }
     bind_texture(program, "near_count", unit++, material->near_count);
   }
   bind_material(program, *material, unit);
@@ -325,7 +329,7 @@ void SplatRenderer::Impl::resolve(int level) {
               static_cast<float>(0.7 * params.texel * std::ldexp(std::sqrt(area_mm2), level)));
   set_level_nodes(program, input(), level);
   set_additive_blending(true);
-  draw_screen();
+  draw_screen_on_surface();
   set_additive_blending(false);
   check_gl("picture");
 }
@@ -366,13 +370,13 @@ void SplatRenderer::Impl::reflect() {
   if (scene.specular.enabled) {
     for (const Lamp& lamp : lamps) {
       bind_lamp(use_reflector(light_programs.reflection.of(lamp)), lamp, 3);
-      draw_screen();
+      draw_screen_on_surface();
     }
     for (const Sky& sky : skies) {
       const Program& program = use_reflector(light_programs.sky_reflection);
       set_uniform(program, "rays", params.reflection_rays);
       bind_sky(program, sky, 3);
-      draw_screen();
+      draw_screen_on_surface();
     }
   }
   if (scene.show_environment)

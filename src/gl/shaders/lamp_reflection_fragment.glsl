@@ -4,7 +4,6 @@ layout(location = 0) out vec4 radiance;
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  if (texelFetch(positions, pixel, 0).w <= 0.0) discard;
   Reflector seen = get_reflector(pixel);
   vec3 light = lamp_direction(seen.position);
   if (dot(seen.geometric_normal, light) <= 0.0) discard;

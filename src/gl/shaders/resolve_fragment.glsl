@@ -14,9 +14,11 @@ uniform sampler2DArray level_moments;
 #ifdef SINGLE
 uniform sampler2DArray level_normals;
 uniform sampler2DArray level_near;
+uniform sampler2D near_count;     // of the material's pixels: number of samples in the near term
+#ifdef MEAN
 uniform sampler2DArray level_mean;
-uniform sampler2D near_integral;  // of the material's pixels: int P w dA within the near term
-uniform sampler2D near_count;     // number of samples that carry it
+uniform sampler2D near_integral;  // int P w dA
+#endif
 #endif
 uniform int block;                // pixels of a texel's side
 uniform float softness;           // mm
@@ -37,7 +39,9 @@ void add_texel(inout Sums sums, ivec3 texel, float weight) {
   sums.moment += weight * texelFetch(level_moments, texel, 0);
 #ifdef SINGLE
   sums.near += weight * texelFetch(level_near, texel, 0);
+#ifdef MEAN
   sums.mean += weight * texelFetch(level_mean, texel, 0);
+#endif
 #endif
 }
 
@@ -64,13 +68,15 @@ Sums interpolate(ivec2 pixel, vec3 position, vec3 normal) {
   vec2 at = (vec2(pixel) + 0.5) / float(block) - 0.5;
   ivec2 first = ivec2(floor(at));
   vec2 part = at - vec2(first);
-  float distances[8], least = 1e29;
-  for (int i = 0; i < 8; ++i) {
+  float distances[8], least = 1e29, most = 0.0, total = 0.0;
+  int count = 4;  // B only where some A lies on another surface
+  for (int i = 0; i < count; ++i) {
     distances[i] = apart(ivec3(first + ivec2(i & 1, (i >> 1) & 1), i >> 2), position, normal);
     least = min(least, distances[i]);
+    most = max(most, distances[i]);
+    if (i == 3 && most > 4.0) count = 8;
   }
-  float total = 0.0;
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < count; ++i) {
     if (distances[i] > least + 40.0) continue;
     ivec2 corner = ivec2(i & 1, (i >> 1) & 1);
     float tent = (corner.x == 1 ? part.x : 1.0 - part.x) * (corner.y == 1 ? part.y : 1.0 - part.y);
@@ -101,25 +107,36 @@ vec3 log_ratio_at(vec3 r) {
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec4 position = texelFetch(positions, pixel, 0);
-  if (position.w <= 0.0) discard;
   Sums sums = interpolate(pixel, position.xyz, texelFetch(normals, pixel, 0).xyz);
+  vec3 r = sums.moment.rgb / max(sums.sum.rgb, 1e-30);
+#ifdef SINGLE
+  float r_near = sums.near.a / max(sums.near.r + sums.near.g + sums.near.b, 1e-30);
+  vec2 range = vec2(min(r_near, min(r.r, min(r.g, r.b))), max(r_near, max(r.r, max(r.g, r.b))));
+#else
+  if (sums.sum.rgb == vec3(0.0)) discard;
+  vec2 range = vec2(min(r.r, min(r.g, r.b)), max(r.r, max(r.g, r.b)));
+#endif
   Corners corners = find_corners(texelFetch(places, pixel, 0).xy);
   vec3 support = mix_corners(corners, material_support);
-  for (int k = 0; k < 5; ++k)
-    node_ratio[k] = half_log_at(corners, level_nodes[k]) + cut_log(support, level_nodes[k]) -
-                    reference_nodes[k];
-  vec3 r = sums.moment.rgb / max(sums.sum.rgb, 1e-30);
+  for (int k = 0; k < 5; ++k) {  // those around the radii; the others cancel
+    node_ratio[k] = vec3(0.0);
+    if ((k == 4 || range.x <= node_r5[k + 1]) && (k == 0 || range.y >= node_r5[k - 1]))
+      node_ratio[k] = half_log_at(corners, level_nodes[k]) + cut_log(support, level_nodes[k]) -
+                      reference_nodes[k];
+  }
   vec3 result = sums.sum.rgb * exp(log_ratio_at(r));
 #ifdef SINGLE
-  vec3 integral = mix_corners(corners, near_integral), n = mix_corners(corners, near_count);
+  vec3 n = mix_corners(corners, near_count);
   vec3 limit = mix(vec3(1e30), 1.0 + 2.0 / max(n - 1.0, 1e-6), vec3(greaterThan(n, vec3(1.0))));
-  float r_near = sums.near.a / max(sums.near.r + sums.near.g + sums.near.b, 1e-30);
   vec3 scale = clamp(vec3(1.0 / max(sums.sum.a, 1e-30)), 1.0 / limit, limit);
+  vec3 close = scale * sums.near.rgb * exp(log_ratio_at(vec3(r_near)));
+#ifdef MEAN
   vec3 u = clamp((n - 2.0) / 6.0, 0.0, 1.0);
   vec3 trust = sums.moment.a > 0.0 ? u * u * (3.0 - 2.0 * u) : vec3(1.0);
-  result += trust * scale * sums.near.rgb * exp(log_ratio_at(vec3(r_near)));
-  if (sums.moment.a > 0.0)
-    result += (1.0 - trust) * integral * sums.mean.rgb / sums.moment.a;
+  vec3 integral = mix_corners(corners, near_integral);
+  close = trust * close + (1.0 - trust) * integral * sums.mean.rgb / max(sums.moment.a, 1e-30);
+#endif
+  result += close;
 #endif
   exitance = vec4(result, 1.0);
 }

@@ -20,7 +20,6 @@ float shift_of(ivec2 pixel) {
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  if (texelFetch(positions, pixel, 0).w <= 0.0) discard;
   Reflector seen = get_reflector(pixel);
   vec3 n = seen.normal;
   vec3 t1 = normalize(abs(n.z) < 0.9 ? cross(n, vec3(0.0, 0.0, 1.0)) : cross(n, vec3(1.0, 0.0, 0.0)));

@@ -5,7 +5,7 @@
 // a = exp(h), A the reference profile's, w the level's part of the partition of unity in ln r.
 uniform sampler2DArray level_positions;
 uniform int layer;
-uniform sampler2D level_table;  // [i]: 2 ln A and w, evenly from table_range.x to its end
+uniform sampler2D level_table;  // [i]: 2 ln A and w in the middle of step i
 uniform vec2 table_range;       // mm: first, step
 uniform float node_r5[5];       // mm
 uniform float reach;
@@ -23,7 +23,9 @@ uniform vec3 reference_share;  // 1/3 over the integral of A^2 w_near, per chann
 flat in vec3 splat_flux;
 flat in vec3 splat_normal;
 layout(location = 2) out vec4 out_near;
+#ifdef MEAN
 layout(location = 3) out vec4 out_mean;
+#endif
 
 float near_weight(float r, float radius) {
   float u = max(0.0, 1.0 - r * r / (radius * radius));
@@ -43,10 +45,7 @@ void main() {
   vec3 log_moment = splat_log[0] + part.x * (splat_log[1] - splat_log[0]) +
                     part.y * (splat_log[2] - splat_log[1]) +
                     part.z * (splat_log[3] - splat_log[2]) + part.w * (splat_log[4] - splat_log[3]);
-  float at = (r - table_range.x) / table_range.y;
-  int i = int(at);
-  vec4 entry = mix(texelFetch(level_table, ivec2(i, 0), 0), texelFetch(level_table, ivec2(i + 1, 0), 0),
-                   at - float(i));
+  vec4 entry = texelFetch(level_table, ivec2(int((r - table_range.x) / table_range.y), 0), 0);
   vec3 value = entry.a * exp(entry.rgb + log_moment);
 #ifdef SINGLE
   float w = near_weight(r, near_mm);
@@ -57,7 +56,9 @@ void main() {
   out_sum = vec4(value, is_near ? w * area_mm2 * dot(exp(entry.rgb), reference_share) : 0.0);
   out_moment = vec4(r * value, of_mean * area_mm2);
   out_near = vec4(close, r * (close.r + close.g + close.b));
+#ifdef MEAN
   out_mean = vec4(of_mean * splat_flux, 0.0);
+#endif
 #else
   out_sum = vec4(value, 0.0);
   out_moment = vec4(r * value, 0.0);

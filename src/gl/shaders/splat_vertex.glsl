@@ -15,6 +15,20 @@ uniform float reach;              // mm
 flat out vec3 splat_position;
 flat out vec3 splat_log[5];       // ln(moment / reference) at the level's nodes
 
+uniform sampler2D tiles;  // tiles_fragment.glsl
+uniform vec2 level_size;  // texels
+
+// Something in the box lies behind the depth. Boxes over many tiles are not looked into.
+bool is_seen(vec4 box, float depth) {
+  ivec2 first = ivec2((0.5 + 0.5 * box.xy) * level_size) / TILE;
+  ivec2 last = min(ivec2((0.5 + 0.5 * box.zw) * level_size) / TILE, textureSize(tiles, 0) - 1);
+  if (last.x - first.x > 5 || last.y - first.y > 5) return true;
+  for (int y = first.y; y <= last.y; ++y)
+    for (int x = first.x; x <= last.x; ++x)
+      if (texelFetch(tiles, ivec2(x, y), 0).r >= depth) return true;
+  return false;
+}
+
 // Extent of a sphere's picture along one axis, as tangents; c = centre's coordinate, z its depth.
 vec2 sphere_extent(float c, float z) {
   float root = sqrt(max(0.0, c * c + z * z - reach * reach));
@@ -26,6 +40,17 @@ void main() {
   int width = textureSize(source_positions, 0).x;
   ivec2 texel = source_texel(gl_InstanceID, width);
   splat_position = texelFetch(source_positions, texel, 0).xyz;
+  vec3 v = to_view(splat_position);
+  vec4 box = vec4(-1.0, -1.0, 1.0, 1.0);
+  if (v.z > reach * 1.001) {
+    vec2 x = sphere_extent(v.x, v.z) / camera_half.x, y = sphere_extent(v.y, v.z) / camera_half.y;
+    box = clamp(vec4(x.x, y.x, x.y, y.y), -1.0, 1.0);
+  }
+  float depth = v.z - reach > camera_range.x ? device_depth(v.z - reach) : -1.0;
+  depth = clamp(depth, -0.99999, 1.0);
+  gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+  if (v.z < -reach || !is_seen(box, 0.5 + 0.5 * depth)) return;
+
   vec3 flux = vec3(1.0);
 #ifdef SINGLE
   flux = texelFetch(source_flux, texel, 0).rgb;
@@ -39,14 +64,7 @@ void main() {
     most = max(most, max(value.r, max(value.g, value.b)));
     splat_log[k] = log(max(value, 1e-30)) - reference_nodes[k];
   }
-  vec3 v = to_view(splat_position);
-  vec4 box = vec4(-1.0, -1.0, 1.0, 1.0);
-  if (v.z > reach * 1.001) {
-    vec2 x = sphere_extent(v.x, v.z) / camera_half.x, y = sphere_extent(v.y, v.z) / camera_half.y;
-    box = clamp(vec4(x.x, y.x, x.y, y.y), -1.0, 1.0);
-  }
-  float depth = v.z - reach > camera_range.x ? device_depth(v.z - reach) : -1.0;
+  if (most <= 0.0) return;
   gl_Position = vec4((gl_VertexID & 1) == 0 ? box.x : box.z, (gl_VertexID & 2) == 0 ? box.y : box.w,
-                     clamp(depth, -0.99999, 1.0), 1.0);
-  if (most <= 0.0 || v.z < -reach) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+                     depth, 1.0);
 }
