@@ -31,7 +31,9 @@ struct DepthLayers {
 };
 
 // `direction` is unit, to the light. `resolution` texels cover the longer side of what is seen.
-DepthLayers make_depth_layers(const TriangleMesh& mesh, Vec3 direction, int resolution, float eta);
+// A map that is no longer needed lends its memory.
+DepthLayers make_depth_layers(const TriangleMesh& mesh, Vec3 direction, int resolution, float eta,
+                              DepthLayers reused = {});
 
 // F_t(w_i), w_i' and s_i' / s_i at a place with this unit normal; transmission is 0 where it looks
 // away.

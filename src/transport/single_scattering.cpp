@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "base/check.h"
 #include "base/error.h"
@@ -19,7 +20,7 @@ namespace parian {
 namespace {
 
 constexpr std::size_t points_per_block = 64;
-constexpr std::size_t directions_per_step = 8;     // with depth maps, which are kept together
+constexpr std::size_t directions_per_step = 4;     // with depth maps, which are kept together
 constexpr std::size_t point_light_places = 16384;  // per step
 constexpr float bias_texels = 1.5f;
 
@@ -94,6 +95,7 @@ struct SingleTransportState::Impl {
   std::vector<std::uint32_t> order;
   std::vector<Vec3> positions, inward;
   std::vector<float> path_mm;
+  std::vector<DepthLayers> maps;  // of the step's directions
   std::size_t steps = 0, step = 0;
   std::vector<float> value;
 
@@ -191,10 +193,13 @@ void SingleTransportState::Impl::trace(std::size_t place, Vec3 direction, const 
 void SingleTransportState::Impl::advance_directions() {
   const std::size_t first = step * batch(), count = std::min(batch(), directions.size() - first);
   const bool by_rays = params.method == EntryMethod::rays;
-  std::vector<DepthLayers> maps(by_rays ? 0 : count);
-  parallel_for(maps.size(), [&](std::size_t d) {
-    maps[d] = make_depth_layers(*mesh, directions[first + d].direction, params.resolution, eta);
-  });
+  if (!by_rays) {
+    maps.resize(directions_per_step);
+    parallel_for(count, [&](std::size_t d) {
+      maps[d] = make_depth_layers(*mesh, directions[first + d].direction, params.resolution, eta,
+                                  std::move(maps[d]));
+    });
+  }
   const BasisView basis = view_of(table);
   for_places(0, positions.size(),
              [&](std::size_t begin, std::size_t end, const float* paths, float* sums) {

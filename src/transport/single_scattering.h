@@ -37,7 +37,7 @@ struct SingleScatteringParams {
   int path_samples = 32;  // on each path; an odd number counts as the next even one
   int directions = 128;   // of an environment light
   EntryMethod method = EntryMethod::depth_layers;
-  int resolution = 1024;  // texels along the longer side of a depth map
+  int resolution = 2048;  // texels along the longer side of a depth map
   std::uint64_t seed = 1;
 };
 ParamList describe(SingleScatteringParams& params);

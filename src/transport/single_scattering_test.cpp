@@ -268,7 +268,7 @@ TEST(SingleTransport, SameBitsForAnyNumberOfThreads) {
 TEST(SingleTransport, ResumedIsUninterrupted) {
   const Setting setting;
   SingleTransportState stopped = setting.make();
-  ASSERT_EQ(stopped.steps(), 3u);
+  ASSERT_EQ(stopped.steps(), 6u);
   stopped.advance();
   EXPECT_EQ(stopped.step(), 1u);
   SingleTransportState resumed = setting.make();
@@ -293,8 +293,8 @@ std::string error_of(const std::function<void()>& body) {
 TEST(SingleTransport, RefusesWhatCannotBe) {
   const Setting setting;
   SingleTransportState state = setting.make();
-  EXPECT_EQ(error_of([&] { state.restore(4, state.value()); }),
-            "step: expected at most 3, found 4");
+  EXPECT_EQ(error_of([&] { state.restore(7, state.value()); }),
+            "step: expected at most 6, found 7");
   EXPECT_EQ(error_of([&] {
               state.restore(1, {0, 1});
             }),
