@@ -48,15 +48,18 @@ struct WriteJson {
 
 }  // namespace
 
+std::string format_compact(const Document& document) {
+  std::string text;
+  std::visit(WriteJson{text}, document.value);
+  return text;
+}
+
 std::string make_provenance(const Document& description) {
-  const Document provenance =
+  return format_compact(
       Document::Object{{"kind", "analytic"},
                        {"simulated", true},
                        {"model", "dipole with coefficients averaged along the straight path"},
-                       {"sample", description}};
-  std::string text;
-  std::visit(WriteJson{text}, provenance.value);
-  return text;
+                       {"sample", description}});
 }
 
 }  // namespace parian

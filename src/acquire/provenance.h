@@ -1,4 +1,4 @@
-// What a simulated table says about itself.
+// What a table says about how it was made.
 #pragma once
 
 #include <string>
@@ -6,6 +6,9 @@
 #include "base/document.h"
 
 namespace parian {
+
+// A document as JSON text in one line, without spaces.
+std::string format_compact(const Document& document);
 
 // {"kind":"analytic","simulated":true,...,"sample":<description>} as compact JSON text.
 std::string make_provenance(const Document& description);

@@ -12,7 +12,7 @@ import program
 
 class Usage(program.ProgramTest):
     def test_help_shows_an_example(self):
-        commands = ("simulate", "fit", "edit", "reconstruct", "compare", "relight", "precompute",
+        commands = ("simulate", "capture", "import", "fit", "edit", "reconstruct", "compare", "relight", "precompute",
                     "render", "info", "demo")
         overview = self.succeed("--help")
         for command in commands:
@@ -31,7 +31,7 @@ class Usage(program.ProgramTest):
         self.assertIn("simulate", errors)
 
     def test_unknown_names_get_the_nearest(self):
-        self.fail_with(2, "expected a command: 'simulate', 'fit', 'compress', 'edit', 'reconstruct', "
+        self.fail_with(2, "expected a command: 'simulate', 'capture', 'import', 'fit', 'compress', 'edit', 'reconstruct', "
                        "'compare', 'relight', 'precompute', 'render', 'info' or 'demo', found 'rlight' (did you mean 'relight'?)",
                        "rlight", "x")
         self.fail_with(2, "expected a flag of 'parian fit', found '--segmants' "

@@ -12,6 +12,7 @@
 #include "io/image/exr_internal.h"
 #include "io/image/hdr_internal.h"
 #include "io/image/image_limits_internal.h"
+#include "io/image/png_internal.h"
 #include "io/image/stb_internal.h"
 #include "io/json/files.h"
 
@@ -36,9 +37,10 @@ std::string extension_of(const std::string& path) {
                .found = extension.empty() ? "no extension" : "'" + extension + "'"});
 }
 
-void check_finite(const Image& image, const std::string& path) {
-  const auto bad = std::find_if(image.values.begin(), image.values.end(),
-                                [](float value) { return !std::isfinite(value); });
+void check_finite(const Image& image, const std::string& path, bool allow_nan = false) {
+  const auto bad = std::find_if(image.values.begin(), image.values.end(), [allow_nan](float value) {
+    return !std::isfinite(value) && !(allow_nan && std::isnan(value));
+  });
   if (bad == image.values.end()) return;
   const auto pixel = (bad - image.values.begin()) / image.channels;
   throw Error({path, fmt::format("pixel ({}, {})", pixel % image.width, pixel / image.width),
@@ -81,6 +83,24 @@ void save_image(const std::string& path, const Image& image) {
   write_text(path, extension == ".png"   ? encode_png(image)
                    : extension == ".exr" ? encode_exr(image, path)
                                          : encode_hdr(image));
+}
+
+Image load_raw_image(const std::string& path, bool allow_nan) {
+  const std::string extension = extension_of(path);
+  if (extension != ".png" && extension != ".exr") throw_extension(path, ".png or .exr");
+  const std::string bytes = read_file(path, max_file_bytes);
+  Image image = extension == ".png" ? decode_png_or_jpeg(bytes, path, /*as_stored=*/true)
+                                    : decode_exr(bytes, path);
+  check_finite(image, path, allow_nan);
+  return image;
+}
+
+void save_raw_png(const std::string& path, const Image& image, int bits) {
+  PARIAN_CHECK(image.channels == 1 || image.channels == 3);
+  PARIAN_CHECK(bits == 8 || bits == 16);
+  if (extension_of(path) != ".png") throw_extension(path, ".png");
+  check_writable(path);
+  write_text(path, encode_raw_png(image, bits));
 }
 
 }  // namespace parian

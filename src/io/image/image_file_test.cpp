@@ -178,5 +178,31 @@ TEST_F(ImageFiles, InfinitePixelsAreErrors) {
             at_path("a.exr") + ": pixel (2, 1): expected a finite value, found inf");
 }
 
+TEST_F(ImageFiles, RawPngKeepsCodes) {
+  for (const int channels : {1, 3})
+    for (const int bits : {8, 16}) {
+      const float top = bits == 8 ? 255.0f : 65535.0f;
+      Image image = make_noise(9, 6, channels, top);
+      for (float& value : image.values) value = std::floor(value) / top;
+      save_raw_png(at_path("raw.png"), image, bits);
+      const Image read = load_raw_image(at_path("raw.png"));
+      EXPECT_EQ(read.width, 9);
+      EXPECT_EQ(read.channels, channels);
+      EXPECT_EQ(read.values, image.values);
+    }
+}
+
+TEST_F(ImageFiles, RawImagesMayHoldNanButNoInfinity) {
+  Image image = make_noise(3, 2, 1, 1);
+  image.values[4] = NAN;
+  save_image(at_path("raw.exr"), image);
+  EXPECT_TRUE(std::isnan(load_raw_image(at_path("raw.exr"), true).values[4]));
+  const std::string path = at_path("raw.exr");
+  EXPECT_EQ(error_of([&] { load_raw_image(path); }),
+            path + ": pixel (1, 1): expected a finite value, found nan");
+  EXPECT_EQ(error_of([&] { load_raw_image("a.hdr"); }),
+            "a.hdr: expected a file name that ends in .png or .exr, found '.hdr'");
+}
+
 }  // namespace
 }  // namespace parian

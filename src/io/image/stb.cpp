@@ -79,7 +79,7 @@ void append(void* text, void* data, int count) {
 
 }  // namespace
 
-Image decode_png_or_jpeg(const std::string& bytes, const std::string& path) {
+Image decode_png_or_jpeg(const std::string& bytes, const std::string& path, bool as_stored) {
   const char* kind = "PNG or JPEG";
   const int count = static_cast<int>(bytes.size());
   const Size size = read_size(bytes, path, kind);
@@ -87,11 +87,15 @@ Image decode_png_or_jpeg(const std::string& bytes, const std::string& path) {
   if (stbi_is_16_bit_from_memory(data_of(bytes), count) != 0)
     return decode(stbi_load_16_from_memory(data_of(bytes), count, &found.width, &found.height,
                                            &found.channels, size.channels),
-                  size, path, kind,
-                  [](stbi_us value) { return decode_srgb(static_cast<float>(value) / 65535.0f); });
+                  size, path, kind, [as_stored](stbi_us value) {
+                    const float code = static_cast<float>(value) / 65535.0f;
+                    return as_stored ? code : decode_srgb(code);
+                  });
   std::vector<float> curve(256);
-  for (std::size_t i = 0; i < curve.size(); ++i)
-    curve[i] = decode_srgb(static_cast<float>(i) / 255.0f);
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    const float code = static_cast<float>(i) / 255.0f;
+    curve[i] = as_stored ? code : decode_srgb(code);
+  }
   return decode(stbi_load_from_memory(data_of(bytes), count, &found.width, &found.height,
                                       &found.channels, size.channels),
                 size, path, kind, [&](stbi_uc value) { return curve[value]; });

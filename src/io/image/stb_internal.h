@@ -8,8 +8,8 @@
 
 namespace parian {
 
-// 8 and 16 bit, sRGB-encoded.
-Image decode_png_or_jpeg(const std::string& bytes, const std::string& path);
+// 8 and 16 bit, sRGB-encoded; as_stored: codes over the largest one.
+Image decode_png_or_jpeg(const std::string& bytes, const std::string& path, bool as_stored = false);
 std::string encode_png(const Image& image);
 std::string encode_hdr(const Image& image);
 
