@@ -116,19 +116,45 @@ Image mean_of_channels(const HdrImage& image) {
   return mean;
 }
 
-void locate(const Stage& stage, const HdrImage& dots_on_standard, CaptureReport& report) {
-  std::vector<PointPair> points = stage.meta.points;
-  if (points.empty()) {
-    const std::vector<Dot> dots = find_dots(mean_of_channels(dots_on_standard));
+// Centroids of dots are not where the lattice's points are seen: perspective, vignetting and the
+// window that they are measured in move them. The same measurement of the predicted image says by
+// how much.
+std::vector<PointPair> correct_points(const CaptureMeta& meta, const std::vector<PointPair>& points,
+                                      const CaptureReport& found, const Image& white) {
+  const std::vector<Dot> dots = find_dots(predict_dots(meta, found.mm_to_px, found.psf_px, white));
+  std::vector<PointPair> predicted = match_lattice(dots, meta);
+  // Both are in the order of the lattice.
+  std::vector<PointPair> corrected = points;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Point true_place = apply(found.mm_to_px, points[k].x_mm, points[k].y_mm);
+    corrected[k].x_px += true_place.x - predicted[k].x_px;
+    corrected[k].y_px += true_place.y - predicted[k].y_px;
+  }
+  return corrected;
+}
+
+// Homography and blur, from the dots on the standard.
+void locate(const CaptureMeta& meta, const Image& dots_on_standard, const Image& white,
+            CaptureReport& report) {
+  std::vector<PointPair> measured = meta.points;
+  if (measured.empty()) {
+    const std::vector<Dot> dots = find_dots(dots_on_standard);
     report.dots_found = static_cast<int>(dots.size());
     double sum = 0, squares = 0;
     for (const Dot& dot : dots) sum += dot.power, squares += dot.power * dot.power;
     const auto count = static_cast<double>(dots.size());
     report.dot_power_spread = std::sqrt(std::max(0.0, count * squares / (sum * sum) - 1));
-    points = match_lattice(dots, stage.meta);
+    measured = match_lattice(dots, meta);
   }
-  report.mm_to_px = fit_homography(points);
-  report.reprojection_px = reprojection_error(report.mm_to_px, points);
+  std::vector<PointPair> points = measured;
+  for (int round = 0; round < 3; ++round) {
+    report.mm_to_px = fit_homography(points);
+    report.reprojection_px = reprojection_error(report.mm_to_px, points);
+    report.psf_px = meta.psf_px > 0 ? meta.psf_px
+                                    : estimate_psf(meta, report.mm_to_px, dots_on_standard, white);
+    if (!meta.points.empty()) return;
+    points = correct_points(meta, measured, report, white);
+  }
 }
 
 // [channel][y][x]
@@ -201,9 +227,7 @@ CaptureResult process_capture(const CaptureMeta& meta, const FrameLoader& load_f
       subtract(merge(stage, calibration, FrameRole::reference, 0, 0), reference_black);
   const HdrImage standard_dots =
       subtract(merge(stage, calibration, FrameRole::reference_dots, 0, 0), reference_black);
-  locate(stage, standard_dots, report);
-  report.psf_px =
-      meta.psf_px > 0 ? meta.psf_px : estimate_psf(meta, report.mm_to_px, standard_dots, reference);
+  locate(meta, mean_of_channels(standard_dots), mean_of_channels(reference), report);
   const CameraOperator b = make_camera_operator(meta, report.mm_to_px, report.psf_px);
   const HdrImage black = merge(stage, calibration, FrameRole::black, 0, 0);
   const HdrImage white = subtract(merge(stage, calibration, FrameRole::white, 0, 0), black);

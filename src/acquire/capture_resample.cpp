@@ -201,27 +201,32 @@ std::vector<float> resample(const CameraOperator& b, const HdrImage& image, int 
   return result;
 }
 
-double estimate_psf(const CaptureMeta& meta, const Homography& mm_to_px, const HdrImage& dots,
-                    const HdrImage& white) {
-  const auto channels = static_cast<std::size_t>(meta.channels);
-  // Squared difference between the dots and the image of dots of unit exitance times the white
-  // image, with the factor that fits best.
+Image predict_dots(const CaptureMeta& meta, const Homography& mm_to_px, double psf_px,
+                   const Image& white) {
+  Image image = make_image(meta.camera_width, meta.camera_height, 1);
+  for (int y = 0; y < meta.height; y += meta.lattice_px)
+    for (int x = 0; x < meta.width; x += meta.lattice_px) {
+      const Footprint box = make_footprint(meta, mm_to_px, psf_px, x, y);
+      const Point centre =
+          parian::apply(mm_to_px, (x + 0.5) * meta.pixel_pitch_mm, (y + 0.5) * meta.pixel_pitch_mm);
+      const float light = at(white, std::clamp(static_cast<int>(centre.x), 0, white.width - 1),
+                             std::clamp(static_cast<int>(centre.y), 0, white.height - 1), 0);
+      for (int j = 0; j < box.height; ++j)
+        for (int i = 0; i < box.width; ++i)
+          at(image, box.x0 + i, box.y0 + j, 0) +=
+              light * static_cast<float>(box.weight[static_cast<std::size_t>(j * box.width + i)]);
+    }
+  return image;
+}
+
+double estimate_psf(const CaptureMeta& meta, const Homography& mm_to_px, const Image& dots,
+                    const Image& white) {
+  // Squared difference between the dots and their predicted image, with the factor that fits best.
   const auto misfit = [&](double psf) {
-    std::vector<double> predicted(white.value.values.size() / channels);
-    for (int y = 0; y < meta.height; y += meta.lattice_px)
-      for (int x = 0; x < meta.width; x += meta.lattice_px) {
-        const Footprint box = make_footprint(meta, mm_to_px, psf, x, y);
-        for (int j = 0; j < box.height; ++j)
-          for (int i = 0; i < box.width; ++i)
-            predicted[static_cast<std::size_t>((box.y0 + j) * meta.camera_width + box.x0 + i)] +=
-                box.weight[static_cast<std::size_t>(j * box.width + i)];
-      }
+    const Image predicted = predict_dots(meta, mm_to_px, psf, white);
     double pp = 0, pi = 0, ii = 0;
-    for (std::size_t k = 0; k < dots.value.values.size(); ++k) {
-      if (!std::isfinite(dots.variance.values[k]) || !std::isfinite(white.variance.values[k]))
-        continue;
-      const double p = predicted[k / channels] * white.value.values[k];
-      const double i = dots.value.values[k];
+    for (std::size_t k = 0; k < dots.values.size(); ++k) {
+      const double p = predicted.values[k], i = dots.values[k];
       pp += p * p, pi += p * i, ii += i * i;
     }
     return pp > 0 ? ii - pi * pi / pp : std::numeric_limits<double>::infinity();

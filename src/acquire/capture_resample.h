@@ -35,9 +35,13 @@ std::vector<float> apply(const CameraOperator& b, const std::vector<float>& exit
 // than half of what the camera sees of a pixel does not count.
 std::vector<float> resample(const CameraOperator& b, const HdrImage& image, int channel);
 
-// The blur with which the dots of frame (0, 0) on the standard look as they do; `white` is the
-// standard under white light.
-double estimate_psf(const CaptureMeta& meta, const Homography& mm_to_px, const HdrImage& dots,
-                    const HdrImage& white);
+// The dots of frame (0, 0) on the standard, as bright as `white` (the standard under white light)
+// is at their centres. All images here have one channel.
+Image predict_dots(const CaptureMeta& meta, const Homography& mm_to_px, double psf_px,
+                   const Image& white);
+
+// The blur with which such dots look as they do.
+double estimate_psf(const CaptureMeta& meta, const Homography& mm_to_px, const Image& dots,
+                    const Image& white);
 
 }  // namespace parian

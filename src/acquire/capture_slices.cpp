@@ -17,13 +17,6 @@ std::size_t pixel_index(const CaptureMeta& meta, int x, int y) {
          static_cast<std::size_t>(x);
 }
 
-// The first dot of a frame along an axis, and those `lattice_px` apart after it.
-template <typename Body>
-void for_each_dot(const CaptureMeta& meta, int i, int j, const Body& body) {
-  for (int y = j; y < meta.height; y += meta.lattice_px)
-    for (int x = i; x < meta.width; x += meta.lattice_px) body(x, y);
-}
-
 // The dot of frame (i, j) that is nearest to a pixel along one axis.
 int nearest_along(int x, int shift, int lattice, int size) {
   const int k = static_cast<int>(std::lround((x - shift) / static_cast<double>(lattice)));
@@ -59,36 +52,33 @@ void normalise_responses(const CaptureMeta& meta, const std::vector<float>& refe
 double remove_tails(const CaptureMeta& meta, DotResponses& responses) {
   const std::size_t pixels =
       static_cast<std::size_t>(meta.width) * static_cast<std::size_t>(meta.height);
-  const DotResponses measured = responses;
   const auto lattice = static_cast<std::size_t>(meta.lattice_px);
-  const double reach = 2.0 * meta.lattice_px;
-  for (int round = 0; round < 3; ++round)
-    for (int c = 0; c < meta.channels; ++c) {
-      const TailModel tail = make_tail_model(meta, responses, c);
-      parallel_for(lattice * lattice, [&](std::size_t frame) {
-        const int i = static_cast<int>(frame % lattice), j = static_cast<int>(frame / lattice);
-        const std::size_t begin = response_index(meta, i, j, c) * pixels;
-        for (int y = 0; y < meta.height; ++y)
-          for (int x = 0; x < meta.width; ++x) {
-            const int nearest_x = nearest_along(x, i, meta.lattice_px, meta.width);
-            const int nearest_y = nearest_along(y, j, meta.lattice_px, meta.height);
-            double others = 0;
-            for_each_dot(meta, i, j, [&](int dot_x, int dot_y) {
-              const double r = std::hypot(dot_x - x, dot_y - y);
-              if (r > reach || (dot_x == nearest_x && dot_y == nearest_y)) return;
-              others += eval_tail(tail, r) * tail.factor[pixel_index(meta, dot_x, dot_y)];
-            });
-            const std::size_t k = pixel_index(meta, x, y);
-            responses.value[begin + k] =
-                measured.value[begin + k] - static_cast<float>(others * tail.factor[k]);
-          }
-      });
-    }
   double taken = 0, all = 0;
-  for (std::size_t k = 0; k < measured.value.size(); ++k) {
-    if (std::isnan(measured.value[k])) continue;
-    taken += static_cast<double>(measured.value[k]) - responses.value[k];
-    all += measured.value[k];
+  for (int c = 0; c < meta.channels; ++c) {
+    const TailModel tail = make_tail_model(meta, responses, c);
+    std::vector<double> frame_taken(lattice * lattice), frame_all(lattice * lattice);
+    parallel_for(lattice * lattice, [&](std::size_t frame) {
+      const int i = static_cast<int>(frame % lattice), j = static_cast<int>(frame / lattice);
+      float* value = responses.value.data() + response_index(meta, i, j, c) * pixels;
+      for (int y = 0; y < meta.height; ++y)
+        for (int x = 0; x < meta.width; ++x) {
+          const std::size_t nearest =
+              pixel_index(meta, nearest_along(x, i, meta.lattice_px, meta.width),
+                          nearest_along(y, j, meta.lattice_px, meta.height));
+          double others = 0;
+          for_each_dot(meta, i, j, x, y, [&](std::size_t r2, std::size_t dot) {
+            if (dot != nearest) others += tail.at[r2] * tail.factor[dot];
+          });
+          const std::size_t pixel = pixel_index(meta, x, y);
+          if (std::isnan(value[pixel])) continue;
+          others *= tail.factor[pixel];
+          frame_taken[frame] += others;
+          frame_all[frame] += value[pixel];
+          value[pixel] -= static_cast<float>(others);
+        }
+    });
+    for (std::size_t frame = 0; frame < frame_all.size(); ++frame)
+      taken += frame_taken[frame], all += frame_all[frame];
   }
   return all > 0 ? taken / all : 0;
 }

@@ -30,9 +30,8 @@ void normalise_responses(const CaptureMeta& meta, const std::vector<float>& refe
                          DotResponses& responses);
 
 // Takes away what other dots of a frame than the nearest one add: T(r) a(x) a(y), where T is the
-// mean of R over all pairs, continued exponentially beyond half the lattice, and a(x) how pixel x
-// differs from it between a quarter and half the lattice. Repeated three times, as T includes the
-// neighbours' light at first. Returns the part of all light that was taken away.
+// mean profile between the dots and a(x) how pixel x differs from it. Returns the part of all light
+// that was taken away.
 double remove_tails(const CaptureMeta& meta, DotResponses& responses);
 
 // All offsets of the disc, both directions: element x is R where light leaves at x and enters at

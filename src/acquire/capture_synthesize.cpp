@@ -12,7 +12,8 @@
 namespace parian {
 namespace {
 
-constexpr int supersampling = 4;  // points per camera pixel and axis
+constexpr int supersampling = 4;  // cells per camera pixel and axis, in which the blur is done
+constexpr int points = 4;         // per cell and axis, that see one pixel of the table each
 constexpr int margin_px = 8;      // of the picture around the sample, camera pixels
 
 std::size_t index_of(int x, int y, int width) {
@@ -28,16 +29,13 @@ class Camera {
     const Homography px_to_mm = invert(mm_to_px);
     const int width = meta.camera_width * supersampling;
     const int height = meta.camera_height * supersampling;
-    table_pixel_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), -1);
+    begin_.push_back(0);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
-        const Point p =
-            parian::apply(px_to_mm, (x + 0.5) / supersampling, (y + 0.5) / supersampling);
-        const double u = std::floor(p.x / meta.pixel_pitch_mm);
-        const double v = std::floor(p.y / meta.pixel_pitch_mm);
-        if (u >= 0 && v >= 0 && u < meta.width && v < meta.height)
-          table_pixel_[index_of(x, y, width)] =
-              static_cast<int>(index_of(static_cast<int>(u), static_cast<int>(v), meta.width));
+        for (int k = 0; k < points * points; ++k)
+          look_at(parian::apply(px_to_mm, (x + (k % points + 0.5) / points) / supersampling,
+                                (y + (k / points + 0.5) / points) / supersampling));
+        begin_.push_back(seen_.size());
       }
     const double sigma = params.blur_px * supersampling;
     const int reach = static_cast<int>(std::ceil(5 * sigma));
@@ -57,6 +55,29 @@ class Camera {
   }
 
  private:
+  // Adds the table's pixel at a place to the last cell.
+  void look_at(const Point& mm) {
+    const double u = std::floor(mm.x / meta_.pixel_pitch_mm);
+    const double v = std::floor(mm.y / meta_.pixel_pitch_mm);
+    if (u < 0 || v < 0 || u >= meta_.width || v >= meta_.height) return;
+    const auto pixel =
+        static_cast<std::uint32_t>(index_of(static_cast<int>(u), static_cast<int>(v), meta_.width));
+    const auto same = std::find_if(seen_.begin() + static_cast<std::ptrdiff_t>(begin_.back()),
+                                   seen_.end(), [&](const Seen& s) { return s.pixel == pixel; });
+    if (same == seen_.end()) {
+      seen_.push_back({pixel, 1});
+    } else {
+      same->points += 1;
+    }
+  }
+
+  double radiance_of(const double* plane, std::size_t cell) const {
+    double sum = 0;
+    for (std::size_t k = begin_[cell]; k < begin_[cell + 1]; ++k)
+      sum += seen_[k].points * plane[seen_[k].pixel];
+    return sum / (points * points);
+  }
+
   void expose_channel(const std::vector<double>& radiance, int c, Image& picture) const {
     const int width = meta_.camera_width * supersampling;
     const int height = meta_.camera_height * supersampling;
@@ -71,8 +92,7 @@ class Camera {
     for (int y = 0; y < height; ++y) {
       bool any = false;
       for (int x = 0; x < width; ++x) {
-        const int source = table_pixel_[index_of(x, y, width)];
-        row[static_cast<std::size_t>(x)] = source < 0 ? 0 : plane[source];
+        row[static_cast<std::size_t>(x)] = radiance_of(plane, index_of(x, y, width));
         any = any || row[static_cast<std::size_t>(x)] != 0;
       }
       if (!any) continue;
@@ -102,7 +122,13 @@ class Camera {
 
   const CaptureMeta& meta_;
   const SynthesisParams& params_;
-  std::vector<int> table_pixel_;  // per point, -1 outside
+  // Cell k sees the table's pixels [begin_[k], begin_[k + 1]) of seen_.
+  struct Seen {
+    std::uint32_t pixel = 0;
+    float points = 0;
+  };
+  std::vector<std::size_t> begin_;
+  std::vector<Seen> seen_;
   std::vector<double> kernel_;
 };
 

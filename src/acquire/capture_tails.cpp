@@ -1,84 +1,138 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "acquire/capture_tails_internal.h"
+#include "base/parallel.h"
 
 namespace parian {
 namespace {
 
-// Every pixel with every dot of the disc of half the lattice, in a fixed order.
-template <typename Body>
-void for_each_pair(const CaptureMeta& meta, const DotResponses& responses, int channel,
-                   const Body& body) {
-  const double limit = (meta.lattice_px - 1) / 2.0;
-  const auto width = static_cast<std::size_t>(meta.width);
-  const std::size_t pixels = width * static_cast<std::size_t>(meta.height);
-  for (const Offset half : half_disc_offsets(limit))
-    for (const int sign : {1, -1}) {
-      if (half == Offset{} && sign < 0) continue;
-      const Offset d{sign * half.dx, sign * half.dy};
-      for (int y = std::max(0, -d.dy); y < std::min(meta.height, meta.height - d.dy); ++y)
-        for (int x = std::max(0, -d.dx); x < std::min(meta.width, meta.width - d.dx); ++x) {
-          const std::size_t from =
-              static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
-          const std::size_t frame = response_index(meta, (x + d.dx) % meta.lattice_px,
-                                                   (y + d.dy) % meta.lattice_px, channel);
-          const float value = responses.value[frame * pixels + from];
-          if (!std::isnan(value)) body(from, length_px(d), static_cast<double>(value));
-        }
-    }
+constexpr std::size_t bases = 14;            // exponentials
+constexpr std::size_t max_samples = 400000;  // pairs of pixel and frame that the fit looks at
+constexpr int sweeps = 20000;
+
+using Coefficients = std::array<double, bases>;
+
+// Sums over the pairs of one class: places in the lattice's cell.
+struct ClassSums {
+  double count = 0, measured = 0;
+  Coefficients basis{};
+};
+
+std::size_t pixel_count(const CaptureMeta& meta) {
+  return static_cast<std::size_t>(meta.width) * static_cast<std::size_t>(meta.height);
 }
 
-// ln T = a - decay r over the outer half of the rings, where T is above 0.
-double fit_decay(const std::vector<double>& mean) {
-  double n = 0, sum_r = 0, sum_rr = 0, sum_y = 0, sum_ry = 0;
-  for (std::size_t k = mean.size() / 2; k < mean.size(); ++k) {
-    if (!(mean[k] > 0)) return std::numeric_limits<double>::infinity();
-    const auto r = static_cast<double>(k);
-    const double y = std::log(mean[k]);
-    n += 1, sum_r += r, sum_rr += r * r, sum_y += y, sum_ry += r * y;
+// The square of the distance to the nearest dot, were there dots everywhere on the lattice.
+int cell_distance2(const CaptureMeta& meta, int dx, int dy) {
+  const int l = meta.lattice_px;
+  const int x = std::min(dx, l - dx), y = std::min(dy, l - dy);
+  return x * x + y * y;
+}
+
+// Exponentials from a decay over a fifth of a pixel to one over four lattices.
+double decay_of(const CaptureMeta& meta, std::size_t k) {
+  const double first = 0.25 / meta.lattice_px, last = 5;
+  return first * std::pow(last / first, static_cast<double>(k) / (bases - 1));
+}
+
+// Coordinate descent on |A c - b|^2 with c >= 0, given A^T A and A^T b.
+Coefficients solve_positive(const std::array<Coefficients, bases>& normal,
+                            const Coefficients& right) {
+  Coefficients c{};
+  for (int sweep = 0; sweep < sweeps; ++sweep)
+    for (std::size_t k = 0; k < bases; ++k) {
+      double residual = right[k];
+      for (std::size_t l = 0; l < bases; ++l) residual -= normal[k][l] * c[l];
+      if (normal[k][k] > 0) c[k] = std::max(0.0, c[k] + residual / normal[k][k]);
+    }
+  return c;
+}
+
+std::vector<double> fit_tail(const CaptureMeta& meta, const DotResponses& responses, int channel) {
+  const std::size_t pixels = pixel_count(meta);
+  const auto lattice = static_cast<std::size_t>(meta.lattice_px);
+  const auto reach = static_cast<std::size_t>(tail_reach2(meta)) + 1;
+  std::vector<Coefficients> basis(reach);
+  for (std::size_t r2 = 0; r2 < reach; ++r2)
+    for (std::size_t k = 0; k < bases; ++k)
+      basis[r2][k] = std::exp(-decay_of(meta, k) * std::sqrt(static_cast<double>(r2)));
+  std::vector<ClassSums> classes(lattice * lattice);
+  const std::size_t stride = pixels * lattice * lattice / max_samples + 1;
+  for (std::size_t sample = 0; sample < pixels * lattice * lattice; sample += stride) {
+    // Pixels run fastest; the golden ratio spreads what a stride skips.
+    const std::size_t pixel = sample % pixels, frame = sample / pixels;
+    const int x = static_cast<int>(pixel) % meta.width, y = static_cast<int>(pixel) / meta.width;
+    const int i = static_cast<int>(frame % lattice), j = static_cast<int>(frame / lattice);
+    const float value = responses.value[response_index(meta, i, j, channel) * pixels + pixel];
+    if (std::isnan(value)) continue;
+    const int dx = ((x - i) % meta.lattice_px + meta.lattice_px) % meta.lattice_px;
+    const int dy = ((y - j) % meta.lattice_px + meta.lattice_px) % meta.lattice_px;
+    ClassSums& sums =
+        classes[static_cast<std::size_t>(dy) * lattice + static_cast<std::size_t>(dx)];
+    sums.count += 1;
+    sums.measured += value;
+    for_each_dot(meta, i, j, x, y, [&](std::size_t r2, std::size_t) {
+      for (std::size_t k = 0; k < bases; ++k) sums.basis[k] += basis[r2][k];
+    });
   }
-  const double determinant = n * sum_rr - sum_r * sum_r;
-  const double decay = determinant > 0 ? -(n * sum_ry - sum_r * sum_y) / determinant : 0;
-  return decay > 0 ? decay : std::numeric_limits<double>::infinity();
+  std::array<Coefficients, bases> normal{};
+  Coefficients right{};
+  for (std::size_t index = 0; index < classes.size(); ++index) {
+    const ClassSums& sums = classes[index];
+    const int distance2 =
+        cell_distance2(meta, static_cast<int>(index % lattice), static_cast<int>(index / lattice));
+    if (sums.count == 0 || !(sums.measured > 0) ||
+        16 * distance2 < meta.lattice_px * meta.lattice_px)
+      continue;
+    for (std::size_t k = 0; k < bases; ++k) {
+      right[k] += sums.basis[k] / sums.measured;
+      for (std::size_t l = 0; l < bases; ++l)
+        normal[k][l] += sums.basis[k] * sums.basis[l] / (sums.measured * sums.measured);
+    }
+  }
+  const Coefficients c = solve_positive(normal, right);
+  std::vector<double> tail(reach);
+  for (std::size_t r2 = 0; r2 < reach; ++r2)
+    for (std::size_t k = 0; k < bases; ++k) tail[r2] += c[k] * basis[r2][k];
+  return tail;
+}
+
+// factor(x) = measured / predicted between the dots, over all frames.
+std::vector<double> fit_factors(const CaptureMeta& meta, const DotResponses& responses, int channel,
+                                const TailModel& tail) {
+  const std::size_t pixels = pixel_count(meta);
+  std::vector<double> factors(pixels);
+  parallel_for(pixels, [&](std::size_t pixel) {
+    const int x = static_cast<int>(pixel) % meta.width, y = static_cast<int>(pixel) / meta.width;
+    double measured = 0, predicted = 0;
+    for (int j = 0; j < meta.lattice_px; ++j)
+      for (int i = 0; i < meta.lattice_px; ++i) {
+        const float value = responses.value[response_index(meta, i, j, channel) * pixels + pixel];
+        if (std::isnan(value)) continue;
+        double sum = 0;
+        bool near = false;
+        for_each_dot(meta, i, j, x, y, [&](std::size_t r2, std::size_t dot) {
+          near = near || static_cast<int>(r2) * 16 < meta.lattice_px * meta.lattice_px;
+          sum += tail.at[r2] * tail.factor[dot];
+        });
+        if (near) continue;
+        measured += value;
+        predicted += sum;
+      }
+    factors[pixel] = predicted > 0 ? std::clamp(measured / predicted, 0.0, 10.0) : 1;
+  });
+  return factors;
 }
 
 }  // namespace
 
-double eval_tail(const TailModel& tail, double r_px) {
-  const auto last = static_cast<double>(tail.mean.size() - 1);
-  if (r_px >= last) {
-    const double end = std::max(0.0, tail.mean.back());
-    return r_px == last ? end : end * std::exp(-tail.decay_per_px * (r_px - last));
-  }
-  const auto k = static_cast<std::size_t>(r_px);
-  const double t = r_px - static_cast<double>(k);
-  const double a = std::max(0.0, tail.mean[k]), b = std::max(0.0, tail.mean[k + 1]);
-  return a > 0 && b > 0 ? std::pow(a, 1 - t) * std::pow(b, t) : (1 - t) * a + t * b;
-}
-
 TailModel make_tail_model(const CaptureMeta& meta, const DotResponses& responses, int channel) {
-  const std::size_t rings = static_cast<std::size_t>((meta.lattice_px - 1) / 2) + 1;
-  std::vector<double> sum(rings), count(rings);
-  for_each_pair(meta, responses, channel, [&](std::size_t, double r, double value) {
-    const auto k = static_cast<std::size_t>(std::lround(r));
-    if (k < rings) sum[k] += value, count[k] += 1;
-  });
-  TailModel tail{.mean = std::vector<double>(rings)};
-  for (std::size_t k = 0; k < rings; ++k) tail.mean[k] = count[k] > 0 ? sum[k] / count[k] : 0;
-  tail.decay_per_px = fit_decay(tail.mean);
-  const std::size_t pixels =
-      static_cast<std::size_t>(meta.width) * static_cast<std::size_t>(meta.height);
-  std::vector<double> own(pixels), expected(pixels);
-  for_each_pair(meta, responses, channel, [&](std::size_t pixel, double r, double value) {
-    if (4 * r < meta.lattice_px) return;
-    own[pixel] += value;
-    expected[pixel] += eval_tail(tail, r);
-  });
-  tail.factor.resize(pixels);
-  for (std::size_t k = 0; k < pixels; ++k)
-    tail.factor[k] = expected[k] > 0 ? std::clamp(own[k] / expected[k], 0.0, 10.0) : 1;
+  TailModel tail{.at = fit_tail(meta, responses, channel),
+                 .factor = std::vector<double>(pixel_count(meta), 1)};
+  for (int round = 0; round < 3; ++round) tail.factor = fit_factors(meta, responses, channel, tail);
   return tail;
 }
 

@@ -53,6 +53,7 @@ struct CommandSpec {
 };
 
 CommandSpec make_simulate_command();
+CommandSpec make_capture_command();
 CommandSpec make_import_command();
 CommandSpec make_fit_command();
 CommandSpec make_compress_command();
@@ -66,10 +67,11 @@ CommandSpec make_info_command();
 CommandSpec make_demo_command();
 
 inline std::vector<CommandSpec> all_commands() {
-  return {make_simulate_command(), make_import_command(),  make_fit_command(),
-          make_compress_command(), make_edit_command(),    make_reconstruct_command(),
-          make_compare_command(),  make_relight_command(), make_precompute_command(),
-          make_render_command(),   make_info_command(),    make_demo_command()};
+  return {make_simulate_command(),    make_capture_command(),  make_import_command(),
+          make_fit_command(),         make_compress_command(), make_edit_command(),
+          make_reconstruct_command(), make_compare_command(),  make_relight_command(),
+          make_precompute_command(),  make_render_command(),   make_info_command(),
+          make_demo_command()};
 }
 
 }  // namespace parian
