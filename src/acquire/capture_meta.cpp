@@ -116,9 +116,10 @@ CaptureMeta read_capture_meta(const Document& document) {
   check_exposures(get(document, "exposures_s"), meta);
   if (const Document* points = find(document, "points")) read_points(*points, meta);
   const int smaller = meta.width < meta.height ? meta.width : meta.height;
-  if (2 * meta.lattice_px > smaller)
+  if (meta.lattice_px >= smaller)  // two dots along each axis, at least
+
     throw_at(get(document, "lattice_px"),
-             fmt::format("at most half of the {} pixels of the shorter side", smaller),
+             fmt::format("less than the {} pixels of the shorter side", smaller),
              fmt::format("{}", meta.lattice_px));
   if (2 * meta.radius_px > meta.lattice_px - 1)
     throw_at(get(document, "radius_px"),

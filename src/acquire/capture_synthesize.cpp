@@ -24,7 +24,7 @@ std::size_t index_of(int x, int y, int width) {
 // The scene as radiance times pi / E per pixel of the table, and how it becomes a picture.
 class Camera {
  public:
-  Camera(const CaptureMeta& meta, const SynthesisParams& params, const Homography& mm_to_px)
+  Camera(const CaptureMeta& meta, const PhotographParams& params, const Homography& mm_to_px)
       : meta_(meta), params_(params) {
     const Homography px_to_mm = invert(mm_to_px);
     const int width = meta.camera_width * supersampling;
@@ -121,7 +121,7 @@ class Camera {
   }
 
   const CaptureMeta& meta_;
-  const SynthesisParams& params_;
+  const PhotographParams& params_;
   // Cell k sees the table's pixels [begin_[k], begin_[k + 1]) of seen_.
   struct Seen {
     std::uint32_t pixel = 0;
@@ -133,7 +133,7 @@ class Camera {
 };
 
 // E(x) relative to its largest: it falls to the lower right.
-double projector(const CaptureMeta& meta, const SynthesisParams& params, int x, int y) {
+double projector(const CaptureMeta& meta, const PhotographParams& params, int x, int y) {
   const double u = (x + 0.5) / meta.width, v = (y + 0.5) / meta.height;
   return 1 - params.nonuniformity * (0.6 * u * u + 0.4 * v);
 }
@@ -141,7 +141,7 @@ double projector(const CaptureMeta& meta, const SynthesisParams& params, int x, 
 // pi L / E_max of the sample where the table's pixels of frame (i, j) are lit; all of them with a
 // lattice of 1: the sum over pairs of E(y) R(x, y) pitch^2.
 std::vector<double> light_sample(const BssrdfTable& truth, const CaptureMeta& meta,
-                                 const SynthesisParams& params, int i, int j, int lattice) {
+                                 const PhotographParams& params, int i, int j, int lattice) {
   const TableHeader& header = truth.header;
   const std::size_t pixels = header.pixels();
   const double area = meta.pixel_pitch_mm * meta.pixel_pitch_mm;
@@ -174,7 +174,7 @@ std::vector<double> light_sample(const BssrdfTable& truth, const CaptureMeta& me
   return radiance;
 }
 
-std::vector<double> light_standard(const CaptureMeta& meta, const SynthesisParams& params,
+std::vector<double> light_standard(const CaptureMeta& meta, const PhotographParams& params,
                                    int lattice) {
   const std::size_t pixels =
       static_cast<std::size_t>(meta.width) * static_cast<std::size_t>(meta.height);
@@ -202,7 +202,7 @@ double sample_poisson(Rng& rng, double mean) {
 }
 
 // Codes of one frame. `light` is linear, in parts of full scale per second.
-Image take_frame(const CaptureMeta& meta, const SynthesisParams& params, const Response& response,
+Image take_frame(const CaptureMeta& meta, const PhotographParams& params, const Response& response,
                  const Image& light, const FrameName& frame, std::uint64_t stream) {
   Rng rng = make_rng(params.seed, stream);
   const double seconds = meta.exposures_s[static_cast<std::size_t>(frame.exposure)];
@@ -231,7 +231,7 @@ Image combine(const Image& white, const Image* pattern, double black_level, doub
 
 }  // namespace
 
-ParamList describe(SynthesisParams& params) {
+ParamList describe(PhotographParams& params) {
   return {{.name = "scale",
            .help = "camera pixels per pixel of the table",
            .target = &params.scale,
@@ -295,7 +295,7 @@ ParamList describe(SynthesisParams& params) {
           {.name = "seed", .help = "of the noise", .target = &params.seed}};
 }
 
-Homography make_camera(const SynthesisParams& params, CaptureMeta& meta) {
+Homography make_camera(const PhotographParams& params, CaptureMeta& meta) {
   const double s = params.scale / meta.pixel_pitch_mm;
   const double angle = params.rotation_deg * std::numbers::pi / 180;
   const double width = meta.width * meta.pixel_pitch_mm, height = meta.height * meta.pixel_pitch_mm;
@@ -325,7 +325,7 @@ Homography make_camera(const SynthesisParams& params, CaptureMeta& meta) {
 }
 
 void synthesize_capture(const BssrdfTable& truth, const CaptureMeta& meta,
-                        const SynthesisParams& params,
+                        const PhotographParams& params,
                         const std::function<void(const FrameName&, const Image&)>& save,
                         const Progress& progress) {
   PARIAN_CHECK_EQ(truth.header.width, meta.width);

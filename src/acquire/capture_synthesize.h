@@ -13,7 +13,7 @@
 
 namespace parian {
 
-struct SynthesisParams {
+struct PhotographParams {
   double scale = 3;              // camera pixels per pixel of the table
   double rotation_deg = 2;       // of the camera
   double perspective = 0.03;     // change of scale across the picture
@@ -28,17 +28,17 @@ struct SynthesisParams {
   double reference_level = 0.7;  // code of the standard under white light, shortest exposure
   std::uint64_t seed = 1;
 };
-ParamList describe(SynthesisParams& params);
+ParamList describe(PhotographParams& params);
 
 // What the camera sees: sets meta's camera size, and the homography of the params.
-Homography make_camera(const SynthesisParams& params, CaptureMeta& meta);
+Homography make_camera(const PhotographParams& params, CaptureMeta& meta);
 
 // Calls save once for every frame of list_frames(meta), with codes in [0, 1] that are not rounded
 // yet; from one thread. `truth` has meta's grid and channels, is symmetric, and counts as means
 // over pixels; pairs that are farther than meta.radius_px show as neighbours' tails. The same bits
 // for the same seed and any number of threads.
 void synthesize_capture(const BssrdfTable& truth, const CaptureMeta& meta,
-                        const SynthesisParams& params,
+                        const PhotographParams& params,
                         const std::function<void(const FrameName&, const Image&)>& save,
                         const Progress& progress = {});
 

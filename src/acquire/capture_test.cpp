@@ -41,7 +41,7 @@ struct Folder {
   CaptureMeta meta;
   std::map<std::string, Image> frames;
 };
-Folder synthesize(const BssrdfTable& truth, CaptureMeta meta, const SynthesisParams& params) {
+Folder synthesize(const BssrdfTable& truth, CaptureMeta meta, const PhotographParams& params) {
   make_camera(params, meta);
   Folder folder{meta, {}};
   synthesize_capture(truth, meta, params, [&](const FrameName& name, const Image& image) {

@@ -33,7 +33,7 @@ struct CaptureOptions {
   int exposures = 3;
   double shortest_s = 0.01, ratio = 8;
   CaptureMeta meta;  // format, response, calibration_frames, reference_albedo
-  SynthesisParams synthesis;
+  PhotographParams synthesis;
 };
 
 ParamList describe(CaptureOptions& options) {
