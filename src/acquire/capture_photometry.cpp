@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "acquire/positive_fit_internal.h"
 #include "base/check.h"
 #include "base/error.h"
 #include "image/color.h"
@@ -15,7 +15,7 @@ namespace parian {
 namespace {
 
 constexpr std::size_t response_steps = 1024;
-constexpr int response_degree = 6;
+constexpr std::size_t response_terms = 13;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
 Response tabulate(const std::function<double(double)>& curve) {
@@ -26,9 +26,9 @@ Response tabulate(const std::function<double(double)>& curve) {
   return response;
 }
 
-// g = code + sum over k = 2 .. degree of c_k (code^k - code): g(0) = 0 and g(1) = 1.
-double basis(int k, double code) {
-  return std::pow(code, k) - code;
+// code, code^1.25, ... code^4
+double basis(std::size_t k, double code) {
+  return std::pow(code, 1 + 0.25 * static_cast<double>(k));
 }
 
 }  // namespace
@@ -57,45 +57,40 @@ double invert_response(const Response& response, double linear) {
 }
 
 Response recover_response(const std::vector<ExposurePair>& pairs) {
-  constexpr int unknowns = response_degree - 1;
-  using Matrix = Eigen::Matrix<double, unknowns, unknowns>;
-  using Vector = Eigen::Matrix<double, unknowns, 1>;
-  Matrix normal = Matrix::Zero();
-  Vector right = Vector::Zero();
-  for (const ExposurePair& pair : pairs) {
-    // (g(a) - g(dark_a)) s_b / s_a = g(b) - g(dark_b), linear in c.
-    const double ratio = pair.seconds_b / pair.seconds_a;
-    const auto difference = [&](const auto& g) {
-      return (g(pair.code_a) - g(pair.dark_a)) * ratio - (g(pair.code_b) - g(pair.dark_b));
-    };
-    Vector row;
-    for (int k = 0; k < unknowns; ++k)
-      row[k] = difference([k](double code) { return basis(k + 2, code); });
-    const double residual = difference([](double code) { return code; });
-    normal += row * row.transpose();
-    right -= row * residual;
-  }
-  const double trace = normal.trace();
-  if (pairs.size() < 50 || !(trace > 0))
+  if (pairs.size() < 50)
     throw Error({{},
                  "response",
                  "50 pixels that are seen at two exposures or more",
                  fmt::format("{}", pairs.size())});
-  normal += 1e-10 * trace * Matrix::Identity();
-  const Vector c = normal.ldlt().solve(right);
-  Response response = tabulate([&](double code) {
-    double g = code;
-    for (int k = 0; k < unknowns; ++k) g += c[k] * basis(k + 2, code);
+  std::array<Coefficients<response_terms>, response_terms> normal{};
+  double trace = 0;
+  for (const ExposurePair& pair : pairs) {
+    // (g(a) - g(dark_a)) s_b / s_a = g(b) - g(dark_b), linear in the coefficients.
+    const double ratio = pair.seconds_b / pair.seconds_a;
+    Coefficients<response_terms> row{};
+    for (std::size_t k = 0; k < response_terms; ++k)
+      row[k] = (basis(k, pair.code_a) - basis(k, pair.dark_a)) * ratio -
+               (basis(k, pair.code_b) - basis(k, pair.dark_b));
+    for (std::size_t k = 0; k < response_terms; ++k) {
+      trace += row[k] * row[k];
+      for (std::size_t l = 0; l < response_terms; ++l) normal[k][l] += row[k] * row[l];
+    }
+  }
+  // The smallest |A c|^2 with sum c = 1, by a penalty: its weight changes the length of c alone.
+  const double weight = std::max(trace / response_terms, 1e-300);
+  Coefficients<response_terms> right{};
+  for (std::size_t k = 0; k < response_terms; ++k) {
+    right[k] = weight;
+    for (std::size_t l = 0; l < response_terms; ++l) normal[k][l] += weight;
+  }
+  const Coefficients<response_terms> c = solve_positive(normal, right);
+  double sum = 0;
+  for (const double value : c) sum += value;
+  return tabulate([&](double code) {
+    double g = 0;
+    for (std::size_t k = 0; k < response_terms; ++k) g += c[k] / sum * basis(k, code);
     return g;
   });
-  for (std::size_t i = 1; i < response.linear.size(); ++i)
-    if (!(response.linear[i] > response.linear[i - 1]))
-      throw Error({{},
-                   "response",
-                   "a curve that increases",
-                   fmt::format("one that falls at code {:.3f}",
-                               static_cast<double>(i) / static_cast<double>(response_steps))});
-  return response;
 }
 
 CameraNoise estimate_camera_noise(const std::vector<Image>& dark, const std::vector<Image>& light,

@@ -23,9 +23,10 @@ struct ExposurePair {
   double code_a = 0, dark_a = 0, seconds_a = 1;
   double code_b = 0, dark_b = 0, seconds_b = 1;
 };
-// The polynomial g with g(0) = 0, g(1) = 1 for which (g(code) - g(dark)) / seconds agrees best
-// (Mitsunaga and Nayar 1999, known exposure ratios). Throws Error where the pairs do not determine
-// it or it does not increase.
+// The g with g(0) = 0 and g(1) = 1 for which (g(code) - g(dark)) / seconds agrees best (after
+// Mitsunaga and Nayar 1999, known ratios of exposures), a sum of powers of the code from 1 to 4
+// with coefficients >= 0: always increasing, and as curved as the encodings of cameras. Throws
+// Error for fewer than 50 pairs.
 Response recover_response(const std::vector<ExposurePair>& pairs);
 
 // The variance of a linear value v in one frame is read^2 + v / full_well, in parts of full scale.

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "acquire/capture_tails_internal.h"
+#include "acquire/positive_fit_internal.h"
 #include "base/parallel.h"
 
 namespace parian {
@@ -11,14 +11,13 @@ namespace {
 
 constexpr std::size_t bases = 14;            // exponentials
 constexpr std::size_t max_samples = 400000;  // pairs of pixel and frame that the fit looks at
-constexpr int sweeps = 20000;
 
-using Coefficients = std::array<double, bases>;
+using Terms = Coefficients<bases>;
 
 // Sums over the pairs of one class: places in the lattice's cell.
 struct ClassSums {
   double count = 0, measured = 0;
-  Coefficients basis{};
+  Terms basis{};
 };
 
 std::size_t pixel_count(const CaptureMeta& meta) {
@@ -38,31 +37,17 @@ double decay_of(const CaptureMeta& meta, std::size_t k) {
   return first * std::pow(last / first, static_cast<double>(k) / (bases - 1));
 }
 
-// Coordinate descent on |A c - b|^2 with c >= 0, given A^T A and A^T b.
-Coefficients solve_positive(const std::array<Coefficients, bases>& normal,
-                            const Coefficients& right) {
-  Coefficients c{};
-  for (int sweep = 0; sweep < sweeps; ++sweep)
-    for (std::size_t k = 0; k < bases; ++k) {
-      double residual = right[k];
-      for (std::size_t l = 0; l < bases; ++l) residual -= normal[k][l] * c[l];
-      if (normal[k][k] > 0) c[k] = std::max(0.0, c[k] + residual / normal[k][k]);
-    }
-  return c;
-}
-
 std::vector<double> fit_tail(const CaptureMeta& meta, const DotResponses& responses, int channel) {
   const std::size_t pixels = pixel_count(meta);
   const auto lattice = static_cast<std::size_t>(meta.lattice_px);
   const auto reach = static_cast<std::size_t>(tail_reach2(meta)) + 1;
-  std::vector<Coefficients> basis(reach);
+  std::vector<Terms> basis(reach);
   for (std::size_t r2 = 0; r2 < reach; ++r2)
     for (std::size_t k = 0; k < bases; ++k)
       basis[r2][k] = std::exp(-decay_of(meta, k) * std::sqrt(static_cast<double>(r2)));
   std::vector<ClassSums> classes(lattice * lattice);
   const std::size_t stride = pixels * lattice * lattice / max_samples + 1;
   for (std::size_t sample = 0; sample < pixels * lattice * lattice; sample += stride) {
-    // Pixels run fastest; the golden ratio spreads what a stride skips.
     const std::size_t pixel = sample % pixels, frame = sample / pixels;
     const int x = static_cast<int>(pixel) % meta.width, y = static_cast<int>(pixel) / meta.width;
     const int i = static_cast<int>(frame % lattice), j = static_cast<int>(frame / lattice);
@@ -78,8 +63,8 @@ std::vector<double> fit_tail(const CaptureMeta& meta, const DotResponses& respon
       for (std::size_t k = 0; k < bases; ++k) sums.basis[k] += basis[r2][k];
     });
   }
-  std::array<Coefficients, bases> normal{};
-  Coefficients right{};
+  std::array<Terms, bases> normal{};
+  Terms right{};
   for (std::size_t index = 0; index < classes.size(); ++index) {
     const ClassSums& sums = classes[index];
     const int distance2 =
@@ -93,7 +78,7 @@ std::vector<double> fit_tail(const CaptureMeta& meta, const DotResponses& respon
         normal[k][l] += sums.basis[k] * sums.basis[l] / (sums.measured * sums.measured);
     }
   }
-  const Coefficients c = solve_positive(normal, right);
+  const Terms c = solve_positive(normal, right);
   std::vector<double> tail(reach);
   for (std::size_t r2 = 0; r2 < reach; ++r2)
     for (std::size_t k = 0; k < bases; ++k) tail[r2] += c[k] * basis[r2][k];
