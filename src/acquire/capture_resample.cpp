@@ -139,7 +139,7 @@ CameraOperator make_camera_operator(const CaptureMeta& meta, const Homography& m
   return b;
 }
 
-std::vector<float> apply(const CameraOperator& b, const std::vector<float>& exitance) {
+std::vector<float> photograph(const CameraOperator& b, const std::vector<float>& exitance) {
   PARIAN_CHECK_EQ(exitance.size() + 1, b.begin.size());
   const std::vector<double> image =
       apply_double(b, std::vector<double>(exitance.begin(), exitance.end()));
@@ -208,7 +208,7 @@ Image predict_dots(const CaptureMeta& meta, const Homography& mm_to_px, double p
     for (int x = 0; x < meta.width; x += meta.lattice_px) {
       const Footprint box = make_footprint(meta, mm_to_px, psf_px, x, y);
       const Point centre =
-          parian::apply(mm_to_px, (x + 0.5) * meta.pixel_pitch_mm, (y + 0.5) * meta.pixel_pitch_mm);
+          apply(mm_to_px, (x + 0.5) * meta.pixel_pitch_mm, (y + 0.5) * meta.pixel_pitch_mm);
       const float light = at(white, std::clamp(static_cast<int>(centre.x), 0, white.width - 1),
                              std::clamp(static_cast<int>(centre.y), 0, white.height - 1), 0);
       for (int j = 0; j < box.height; ++j)

@@ -27,7 +27,7 @@ CameraOperator make_camera_operator(const CaptureMeta& meta, const Homography& m
                                     double psf_px);
 
 // What a camera without noise sees of the exitance [y][x].
-std::vector<float> apply(const CameraOperator& b, const std::vector<float>& exitance);
+std::vector<float> photograph(const CameraOperator& b, const std::vector<float>& exitance);
 
 // Minimises sum of (I - B e)^2 / variance over one channel, by conjugate gradients with a diagonal
 // preconditioner. Variances are smoothed over 3 x 3 pixels first, as a value and its own variance
