@@ -88,6 +88,24 @@ Calibration calibrate(const Stage& stage) {
   return calibration;
 }
 
+// Dots whose centroids are sought must be whole, half of a calibration frame may be saturated, and
+// of a dot frame something must be left.
+void check_saturation(const CaptureMeta& meta, const FrameName& frame,
+                      const std::vector<float>& variance) {
+  const auto count =
+      static_cast<std::size_t>(std::count(variance.begin(), variance.end(), infinity));
+  const std::size_t limit = frame.role == FrameRole::reference_dots ? 0
+                            : frame.role == FrameRole::dots         ? variance.size() - 1
+                                                                    : variance.size() / 2;
+  if (count <= limit) return;
+  throw Error({{},
+               frame_file(meta, frame),
+               fmt::format("pixels that are not saturated at {} s", meta.exposures_s[0]),
+               count == variance.size()
+                   ? std::string("every pixel saturated")
+                   : fmt::format("{} of {} values saturated", count, variance.size())});
+}
+
 HdrImage merge(const Stage& stage, const Calibration& calibration, FrameRole role, int i, int j) {
   const CaptureMeta& meta = stage.meta;
   std::vector<ExposureMean> light;
@@ -99,12 +117,7 @@ HdrImage merge(const Stage& stage, const Calibration& calibration, FrameRole rol
     light.push_back(average_frames(frames, calibration.response, meta.saturation));
   }
   HdrImage merged = merge_exposures(light, calibration.dark, meta.exposures_s, calibration.noise);
-  const auto& variance = merged.variance.values;
-  if (std::all_of(variance.begin(), variance.end(), [](float v) { return v == infinity; }))
-    throw Error({{},
-                 frame_file(meta, {.role = role, .i = i, .j = j}),
-                 fmt::format("pixels that are not saturated at {} s", meta.exposures_s[0]),
-                 "every pixel saturated"});
+  check_saturation(meta, {.role = role, .i = i, .j = j}, merged.variance.values);
   return merged;
 }
 

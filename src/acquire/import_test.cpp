@@ -99,7 +99,8 @@ TEST(ImportSlices, BadDescriptionsNameThePlace) {
             "s.json: /boundary: expected 'excluded' or 'included', found 'open'");
   EXPECT_EQ(error_with("offset", 1),
             "s.json: /offset: expected a known key, found 'offset' (did you mean 'offsets'?)");
-  EXPECT_EQ(error_with("noise_floor", array({0, 0, 0})), "s.json: /noise_floor: expected 1 number, found an array of 3");
+  EXPECT_EQ(error_with("noise_floor", array({0, 0, 0})),
+            "s.json: /noise_floor: expected 1 number, found an array of 3");
   Arrays arrays = make_arrays();
   arrays["b.npy"] = {{3, 2}, {1, 2, 3, 4, 5, 6}};
   EXPECT_EQ(error_of([&] { import_all(slices_description(), arrays); }),

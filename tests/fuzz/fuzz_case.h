@@ -44,6 +44,7 @@ void fuzz_table(Case& c);
 void fuzz_map(Case& c);
 void fuzz_transport(Case& c);
 void fuzz_image(Case& c);
+void fuzz_npy(Case& c);
 void fuzz_mesh(Case& c);
 void fuzz_blend(Case& c);
 

@@ -18,6 +18,7 @@
 
 #include "base/error.h"
 #include "fuzz_case.h"
+#include "io/array/npy_file.h"
 #include "io/hdf5/testing_internal.h"
 #include "io/image/image_file.h"
 #include "io/json/files.h"
@@ -44,6 +45,19 @@ void fuzz_image(Case& c) {
   c.note(extension + ", bytes changed");
   std::ofstream(path, std::ios::binary) << bytes;  // write_text would wait for the disk
   load_image(path);
+}
+
+void fuzz_npy(Case& c) {
+  std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (3, 4), }";
+  header.resize(117, ' ');
+  std::string bytes = "\x93NUMPY\x01" + std::string(1, '\0') + "v" + std::string(1, '\0') + header +
+                      "\n" + std::string(48, '\1');
+  for (std::size_t edits = 1 + c.below(3); edits > 0; --edits)
+    bytes[c.below(bytes.size())] =
+        static_cast<char>(c.one_in(2) ? sample_u32(c.rng) : "0123456789(),'<>fiub:{}"[c.below(23)]);
+  if (c.one_in(4)) bytes.resize(c.below(bytes.size()));
+  c.note("npy, bytes changed");
+  parse_npy(bytes, "a.npy");
 }
 
 }  // namespace parian::fuzz
@@ -89,11 +103,11 @@ int main(int argc, char** argv) {
   std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   std::printf("fuzz_readers: %g s from seed %llu; HDF5's own metadata is left alone\n", seconds,
               static_cast<unsigned long long>(seed));
-  std::vector<Kind> kinds{{"json", fuzz_json},     {"params", fuzz_params},
-                          {"sample", fuzz_sample}, {"table", fuzz_table},
-                          {"map", fuzz_map},       {"transport", fuzz_transport},
-                          {"image", fuzz_image},   {"mesh", fuzz_mesh},
-                          {"blend", fuzz_blend},   {"recipe", fuzz_recipe}};
+  std::vector<Kind> kinds{
+      {"json", fuzz_json},   {"params", fuzz_params}, {"sample", fuzz_sample},
+      {"table", fuzz_table}, {"map", fuzz_map},       {"transport", fuzz_transport},
+      {"image", fuzz_image}, {"npy", fuzz_npy},       {"mesh", fuzz_mesh},
+      {"blend", fuzz_blend}, {"recipe", fuzz_recipe}};
   const hdf5::TestFolder folder("fuzz");
   const std::string last_name = folder.path.string() + ".seed";
   const int last_case = ::open(last_name.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
