@@ -160,6 +160,8 @@ struct SplatRenderer::Impl {
   RadialLevels radial;
   std::unique_ptr<MaterialTextures> material;
   Program resolve_single, resolve_group;
+  std::vector<std::string> resolve_defines;  // what they were made with
+  bool resolves_sparse = false;
   SplatTables tables;
   Sources sources;
   std::vector<Rgb> flux;  // traced: of all lights, or of environments alone
@@ -174,11 +176,14 @@ struct SplatRenderer::Impl {
   ViewPyramid pyramid;
   Texture exitance, radiance;
   Framebuffer exitance_target, radiance_target;
-  bool view_is_old = true;
+  bool view_is_old = true;     // its textures
+  bool view_is_drawn = false;  // geometry and pyramid
   std::vector<float> coverage;
 
   void make_samples(const Progress& progress);
   void set_material(const Material& material);
+  void set_places();
+  void make_resolve_programs();
   void make_lights(const std::vector<Light>& lights);
   void trace_flux(const std::vector<Light>& lights, const Progress& progress);
   void put_flux();
@@ -208,11 +213,34 @@ void SplatRenderer::Impl::set_material(const Material& next) {
   const ProfileField field = make_profile_field(next);
   const bool same_boundary =
       material != nullptr && material->boundary == field.boundary && material->eta == field.eta;
+  const SampleGrid old_grid = material != nullptr ? grid() : SampleGrid{0, 0, 0};
+  const bool was_sparse = material != nullptr && material->is_sparse;
+  const int old_levels = radial.count;
   max_support_mm = static_cast<double>(field.max_support_mm);
   radial = make_radial_levels(params.octave * std::sqrt(area_mm2), max_support_mm);
   material = std::make_unique<MaterialTextures>(
       make_material_textures(next, field, radial, area_mm2, near.near_mm));
   tables = make_splat_tables(radial, material->reference, near);
+  const SampleGrid next_grid = grid();
+  const bool same_grid = old_grid.width == next_grid.width && old_grid.height == next_grid.height &&
+                         old_grid.pixel_pitch_mm == next_grid.pixel_pitch_mm;
+  const bool same_levels = same_boundary && radial.count == old_levels;
+  if (!same_grid || !same_levels) set_places();
+  if (same_boundary) put_flux();
+  bake_profiles(sources, *material);
+  make_resolve_programs();
+  groups_are_old = true;
+  view_is_drawn = view_is_drawn && same_grid;
+  view_is_old = view_is_old || !same_levels || material->is_sparse != was_sparse;
+  report.material_s = watch.lap();
+  report.levels = radial.count;
+  report.splats = 0;
+  for (const SourceLevel& level : sources.levels)
+    report.splats += static_cast<std::size_t>(level.count);
+}
+
+// Where the samples lie in the material.
+void SplatRenderer::Impl::set_places() {
   std::vector<Vec2> places(samples.size());
   parallel_for_blocks(samples.size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -221,16 +249,14 @@ void SplatRenderer::Impl::set_material(const Material& next) {
     }
   });
   sources = make_sources(samples, places, area_mm2, radial);
-  if (same_boundary) put_flux();
-  bake_profiles(sources, *material);
+}
+
+void SplatRenderer::Impl::make_resolve_programs() {
+  if (resolve_defines == material->defines && resolves_sparse == material->is_sparse) return;
   resolve_single = make_resolve_program(*material, true);
   resolve_group = make_resolve_program(*material, false);
-  groups_are_old = view_is_old = true;
-  report.material_s = watch.lap();
-  report.levels = radial.count;
-  report.splats = 0;
-  for (const SourceLevel& level : sources.levels)
-    report.splats += static_cast<std::size_t>(level.count);
+  resolve_defines = material->defines;
+  resolves_sparse = material->is_sparse;
 }
 
 void SplatRenderer::Impl::make_lights(const std::vector<Light>& lights) {
@@ -291,7 +317,7 @@ void SplatRenderer::Impl::make_view() {
   }
   pyramid = make_view_pyramid(camera, radial, std::sqrt(area_mm2), params.texel,
                               {format.sums, material->is_sparse});
-  view_is_old = false;
+  view_is_old = view_is_drawn = false;
   report.blocks.clear();
   for (const ViewLevel& level : pyramid.levels) report.blocks.push_back(level.block);
   report.targets = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -476,9 +502,12 @@ void SplatRenderer::draw(bool timed) {
   if (impl.groups_are_old) group_sources(impl.sources);
   impl.groups_are_old = false;
   impl.report.group_s = lap();
-  draw_geometry(impl.geometry, impl.geometry_program, impl.mesh_buffers, impl.camera,
-                impl.scene.mapping, impl.grid());
-  draw_pyramid(impl.pyramid, impl.splat_programs, impl.geometry, impl.camera);
+  if (!impl.view_is_drawn) {
+    draw_geometry(impl.geometry, impl.geometry_program, impl.mesh_buffers, impl.camera,
+                  impl.scene.mapping, impl.grid());
+    draw_pyramid(impl.pyramid, impl.splat_programs, impl.geometry, impl.camera);
+    impl.view_is_drawn = true;
+  }
   impl.report.view_s = lap();
   impl.report.splat_s = impl.report.resolve_s = 0;
   for (int level = 0; level < impl.radial.count; ++level) {
