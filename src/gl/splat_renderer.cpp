@@ -491,7 +491,7 @@ void SplatRenderer::set_camera(const Camera& camera) {
   impl_->view_is_old = true;
 }
 
-void SplatRenderer::draw(bool timed) {
+void SplatRenderer::draw(bool timed, const Progress& progress) {
   Impl& impl = *impl_;
   Stopwatch watch;
   const auto lap = [&] {
@@ -511,6 +511,8 @@ void SplatRenderer::draw(bool timed) {
   impl.report.view_s = lap();
   impl.report.splat_s = impl.report.resolve_s = 0;
   for (int level = 0; level < impl.radial.count; ++level) {
+    advance_progress(progress, "splatting",
+                     static_cast<double>(level) / static_cast<double>(impl.radial.count));
     splat_level(impl.pyramid, impl.splat_programs, impl.sources, impl.input(), impl.camera, level);
     impl.report.splat_s += lap();
     impl.resolve(level);

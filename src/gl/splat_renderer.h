@@ -74,8 +74,8 @@ class SplatRenderer {
   void set_camera(const Camera& camera);
 
   // Linear radiance times 2^exposure into textures of its own; read() copies it, averaged over the
-  // n x n pixels. `timed`: waits after each stage and fills the report.
-  void draw(bool timed = false);
+  // n x n pixels. `timed`: waits after each stage, fills the report, and can be cancelled.
+  void draw(bool timed = false, const Progress& progress = {});
   Image read();
   // Of the last picture: 1 where the mesh is seen by all n x n, 0 by none.
   const std::vector<float>& coverage() const;

@@ -27,8 +27,9 @@ CommandSpec make_studio_command() {
       {"screenshots", 0, "DIR", "folder for screenshots", &arguments->studio.screenshots},
       {"probe", 0, "FILE", "JSON file for scripted runs: state and places of widgets",
        &arguments->studio.probe}};
-  command.run = [arguments](const Context&) {
+  command.run = [arguments](const Context& context) {
     StudioOptions options = arguments->studio;
+    options.is_cancelled = context.progress.is_cancelled;
     if (options.data_folder.empty()) options.data_folder = find_data_folder();
     for (const std::string& file : {arguments->file, arguments->second})
       if (!file.empty()) options.files.push_back(file);

@@ -31,9 +31,9 @@ constexpr Shortcut shortcuts[] = {
     {"right button or Shift", "drag the lamp"},
 };
 
-struct ToolHelp {
-  const char* text;
-};
+// GLFW's codes.
+constexpr int key_delete = 261, key_f1 = 290, key_f12 = 301;
+
 constexpr const char* tool_help[] = {
     "turn the object (1)",
     "drag the lamp (2)",
@@ -216,6 +216,59 @@ void draw_file_menu(Ui& ui) {
   if (ImGui::MenuItem("Quit", "Ctrl+Q")) ui.wants_quit = true;
 }
 
+void handle_command(Ui& ui, const KeyPress& key) {
+  Studio& studio = ui.studio;
+  if (key.key == 'O') start_dialog(ui, FileDialog::Action::open, "");
+  if (key.key == 'S') save_present_recipe(ui);
+  if (key.key == 'Q') ui.wants_quit = true;
+  const bool redoes = key.key == 'Y' || (key.shift && key.key == 'Z');
+  if (studio.editor == nullptr || (!redoes && key.key != 'Z')) return;
+  if (redoes)
+    studio.editor->redo();
+  else
+    studio.editor->undo();
+  touch_map(studio);
+}
+
+void handle_key(Ui& ui, const KeyPress& key) {
+  Studio& studio = ui.studio;
+  const int tool = key.key - '1';
+  if (tool >= 0 && tool < static_cast<int>(tool_names().size()))
+    studio.tool = static_cast<Tool>(tool);
+  switch (key.key) {
+    case key_f1:
+      ui.shows_help = !ui.shows_help;
+      return;
+    case key_f12:
+      ui.wants_screenshot = true;
+      return;
+    case 'V':
+      studio.mode = static_cast<ViewMode>((static_cast<std::size_t>(studio.mode) + 1) %
+                                          view_mode_names().size());
+      return touch_view(studio);
+    case 'M':
+      studio.show_selection = !studio.show_selection;
+      return touch_view(studio);
+    case 'F':
+      studio.orbit = frame_stage(*studio.stage, studio.view_width, studio.view_height);
+      return touch_view(studio);
+    case '[':
+      studio.brush_radius_mm *= 0.8;
+      return;
+    case ']':
+      studio.brush_radius_mm *= 1.25;
+      return;
+    case key_delete:
+      if (const LayerSnapshot* layer = selected_layer(studio); layer != nullptr) {
+        studio.editor->post("remove " + layer->name, remove_layer(*studio.selected_layer));
+        touch_map(studio);
+      }
+      return;
+    default:
+      return;
+  }
+}
+
 }  // namespace
 
 void draw_menu(Ui& ui) {
@@ -312,47 +365,13 @@ void draw_dialogs(Ui& ui) {
 }
 
 void handle_shortcuts(Ui& ui) {
-  Studio& studio = ui.studio;
-  const ImGuiIO& io = ImGui::GetIO();
-  if (io.WantTextInput || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId)) return;
-  const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
-  // GLFW's codes: letters and digits are their characters, F1 is 290.
-  constexpr int delete_key = 261, f1 = 290, f12 = 301;
-  if (pressed(f1)) ui.shows_help = !ui.shows_help;
-  if (pressed(f12)) ui.wants_screenshot = true;
-  const bool has_map = studio.editor != nullptr;
-  if (io.KeyCtrl) {
-    if (pressed('O')) start_dialog(ui, FileDialog::Action::open, "");
-    if (pressed('S')) save_present_recipe(ui);
-    if (pressed('Q')) ui.wants_quit = true;
-    const bool redoes = pressed('Y') || (io.KeyShift && pressed('Z'));
-    if (has_map && redoes) studio.editor->redo();
-    if (has_map && !redoes && pressed('Z')) studio.editor->undo();
-    if (has_map) touch_map(studio);
-    return;
-  }
-  for (int i = 0; i < static_cast<int>(tool_names().size()); ++i)
-    if (pressed('1' + i)) studio.tool = static_cast<Tool>(i);
-  if (pressed('V')) {
-    studio.mode = static_cast<ViewMode>((static_cast<std::size_t>(studio.mode) + 1) %
-                                        view_mode_names().size());
-    touch_view(studio);
-  }
-  if (pressed('M')) {
-    studio.show_selection = !studio.show_selection;
-    touch_view(studio);
-  }
-  if (pressed('F') && studio.stage != nullptr) {
-    studio.orbit = frame_stage(*studio.stage, studio.view_width, studio.view_height);
-    touch_view(studio);
-  }
-  if (pressed('[')) studio.brush_radius_mm *= 0.8;
-  if (pressed(']')) studio.brush_radius_mm *= 1.25;
-  if (pressed(delete_key) && has_map)
-    if (const LayerSnapshot* layer = selected_layer(studio); layer != nullptr) {
-      studio.editor->post("remove " + layer->name, remove_layer(*studio.selected_layer));
-      touch_map(studio);
-    }
+  const std::vector<KeyPress> keys = ui.window.take_keys();
+  if (ImGui::GetIO().WantTextInput || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId)) return;
+  for (const KeyPress& key : keys)
+    if (key.control)
+      handle_command(ui, key);
+    else
+      handle_key(ui, key);
 }
 
 }  // namespace parian

@@ -22,7 +22,7 @@ bool draw_number(const char* label, double& value, const Param& param) {
                            ImGuiSliderFlags_AlwaysClamp);
 }
 
-bool draw_numbers(const char* label, std::vector<double>& values, const Param& param) {
+bool draw_numbers(Ui& ui, const char* label, std::vector<double>& values, const Param& param) {
   static constexpr const char* channels[] = {"r", "g", "b"};
   bool changed = false;
   bool each = values.size() > 1;
@@ -31,14 +31,14 @@ bool draw_numbers(const char* label, std::vector<double>& values, const Param& p
     double one = values.empty() ? 1 : values.front();
     changed = draw_number(label, one, param);
     if (changed) values = {one};
-    const bool active = ImGui::IsItemDeactivatedAfterEdit();
+    mark(ui.probe, fmt::format("param/{}", label));
     ImGui::SameLine();
     if (ImGui::SmallButton("rgb")) {
       values = {one, one, one};
       changed = true;
     }
     ImGui::PopID();
-    return changed || active;
+    return changed;
   }
   ImGui::TextUnformatted(label);
   for (std::size_t c = 0; c < values.size(); ++c)
@@ -47,7 +47,7 @@ bool draw_numbers(const char* label, std::vector<double>& values, const Param& p
   return changed;
 }
 
-bool draw_param(const std::string& label, const Param& param) {
+bool draw_param(Ui& ui, const std::string& label, const Param& param) {
   const char* text = label.c_str();
   if (auto* const* flag = std::get_if<bool*>(&param.target)) return ImGui::Checkbox(text, *flag);
   if (auto* const* whole = std::get_if<int*>(&param.target))
@@ -61,7 +61,7 @@ bool draw_param(const std::string& label, const Param& param) {
   if (auto* const* words = std::get_if<std::string*>(&param.target))
     return ImGui::InputText(text, *words);
   if (auto* const* numbers = std::get_if<std::vector<double>*>(&param.target))
-    return draw_numbers(text, **numbers, param);
+    return draw_numbers(ui, text, **numbers, param);
   const auto& choice = std::get<ChoiceTarget>(param.target);
   int index = choice.get();
   bool changed = false;
@@ -97,7 +97,11 @@ bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ende
   for (const Param& param : params) {
     take_over(document, param);
     const std::string key = json_key(param);
-    if (draw_param(key, param)) {
+    // As one item, so that it is known when any part of it is let go.
+    ImGui::BeginGroup();
+    const bool is_changed = draw_param(ui, key, param);
+    ImGui::EndGroup();
+    if (is_changed) {
       Document written = write_params({param});
       Document value = get(written, key);
       // One number for all channels is written as such.
@@ -108,7 +112,7 @@ bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ende
       changed = true;
     }
     ended |= ImGui::IsItemDeactivatedAfterEdit();
-    mark(ui.probe, "param/" + key);
+    if (!std::holds_alternative<std::vector<double>*>(param.target)) mark(ui.probe, "param/" + key);
     if (ImGui::IsItemHovered())
       ImGui::SetTooltip("%s%s%s", param.help.c_str(), param.unit.empty() ? "" : ", ",
                         param.unit.c_str());

@@ -1,9 +1,9 @@
 #include "app/studio/pictures.h"
 
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <mutex>
-#include <cmath>
 #include <thread>
 #include <utility>
 
@@ -16,22 +16,23 @@ namespace parian {
 namespace {
 
 constexpr double difference_gain = 4;  // of the difference mode
+// Where light enters: while something moves, and at rest.
+constexpr int coarse_samples = 4000, fine_samples = 16000;
 
-// Splatting of one stage; remade for another one or another number of samples.
+// Splatting of one stage; remade for another one.
 struct Splatter {
+  int samples = 0;
   std::shared_ptr<const Stage> stage;
   std::shared_ptr<const Material> material;
   Lighting lighting;
-  int samples = 0;
   std::unique_ptr<SplatRenderer> renderer;
 };
 
 Image splat(Splatter& splatter, const GlLimits& limits, const PictureRequest& request,
-            const std::shared_ptr<const Material>& material) {
-  if (splatter.renderer == nullptr || splatter.stage != request.stage ||
-      splatter.samples != request.samples) {
+            const std::shared_ptr<const Material>& material, const Progress& progress) {
+  if (splatter.renderer == nullptr || splatter.stage != request.stage) {
     SplatParams params;
-    params.samples = request.samples;
+    params.samples = splatter.samples;
     params.antialias = 1;
     params.rays = 32;
     params.reflection_rays = 4;
@@ -44,7 +45,6 @@ Image splat(Splatter& splatter, const GlLimits& limits, const PictureRequest& re
     splatter.renderer.reset();
     splatter.renderer = std::make_unique<SplatRenderer>(limits, scene, params);
     splatter.stage = request.stage;
-    splatter.samples = request.samples;
   } else {
     if (splatter.material != material) splatter.renderer->set_material(*material);
     if (!(splatter.lighting == request.lighting))
@@ -53,7 +53,7 @@ Image splat(Splatter& splatter, const GlLimits& limits, const PictureRequest& re
   }
   splatter.material = material;
   splatter.lighting = request.lighting;
-  splatter.renderer->draw(true);
+  splatter.renderer->draw(true, progress);
   return splatter.renderer->read();
 }
 
@@ -64,19 +64,20 @@ Image difference_of(Image after, const Image& before) {
   return after;
 }
 
-Image draw(Splatter& splatter, const GlLimits& limits, const PictureRequest& request) {
+Image draw(Splatter& splatter, const GlLimits& limits, const PictureRequest& request,
+           const Progress& progress) {
   Image image;
   switch (request.mode) {
     case ViewMode::difference:
       if (request.before != nullptr) {
-        const Image before = splat(splatter, limits, request, request.before);
-        image = difference_of(splat(splatter, limits, request, request.material), before);
+        const Image before = splat(splatter, limits, request, request.before, progress);
+        image = difference_of(splat(splatter, limits, request, request.material, progress), before);
         break;
       }
       [[fallthrough]];
     case ViewMode::shaded:
     case ViewMode::wireframe:
-      image = splat(splatter, limits, request, request.material);
+      image = splat(splatter, limits, request, request.material, progress);
       break;
     case ViewMode::albedo:
     case ViewMode::range:
@@ -146,7 +147,7 @@ struct PictureThread::Impl {
 
 void PictureThread::Impl::run() {
   std::unique_ptr<OffscreenContext> context;
-  Splatter splatter;
+  Splatter coarse{.samples = coarse_samples}, fine{.samples = fine_samples};
   std::unique_lock lock(mutex);
   while (true) {
     wake.wait(lock, [this] { return stops || next.has_value(); });
@@ -161,28 +162,41 @@ void PictureThread::Impl::run() {
     try {
       const auto start = std::chrono::steady_clock::now();
       if (context == nullptr) context = std::make_unique<OffscreenContext>();
-      const Image image = draw(splatter, context->limits(), request);
+      Splatter& splatter = request.fine ? fine : coarse;
+      const Progress progress{.is_cancelled = [this, &request] {
+        const std::scoped_lock guard(mutex);
+        return stops || (request.fine && next.has_value());
+      }};
+      const Image image = draw(splatter, context->limits(), request, progress);
       picture->rgba = encode_picture(image, request.exposure);
       picture->width = image.width;
       picture->height = image.height;
       if (splatter.renderer != nullptr) picture->report = splatter.renderer->report();
       picture->seconds =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    } catch (const Error& caught) {
+      if (caught.kind != ErrorKind::cancelled) message = caught.what();
+      picture.reset();
     } catch (const std::exception& caught) {
       message = caught.what();
-      splatter = {};
+      picture.reset();
+    }
+    if (message) {
+      coarse = {.samples = coarse_samples};
+      fine = {.samples = fine_samples};
     }
     lock.lock();
     works = false;
-    picture->id = id;
-    if (message)
-      error = message;
-    else
+    if (message) error = message;
+    if (picture != nullptr) {
+      picture->id = id;
       latest = std::move(picture);
+    }
     if (!next) idle.notify_all();
   }
   lock.unlock();
-  splatter = {};  // before its context
+  coarse.renderer.reset();  // before their context
+  fine.renderer.reset();
 }
 
 PictureThread::PictureThread() : impl_(std::make_unique<Impl>()) {

@@ -28,7 +28,7 @@ struct PictureRequest {
   Camera camera;  // with the size to be drawn
   ViewMode mode = ViewMode::shaded;
   double exposure = 0;  // stops
-  int samples = 8000;   // where light enters
+  bool fine = true;     // more samples; given up for a newer request
 };
 
 struct Picture {

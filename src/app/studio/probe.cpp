@@ -65,6 +65,11 @@ Document describe_state(const Probe& probe, const Studio& studio) {
   if (studio.picture != nullptr) {
     set(state, "picture", static_cast<double>(studio.picture->id));
     set(state, "picture_ms", 1e3 * studio.picture->seconds);
+    const SplatReport& stages = studio.picture->report;
+    set(state, "stages_ms",
+        Document::Array{1e3 * stages.sampling_s, 1e3 * stages.irradiance_s, 1e3 * stages.material_s,
+                        1e3 * stages.group_s, 1e3 * stages.view_s, 1e3 * stages.splat_s,
+                        1e3 * stages.resolve_s, 1e3 * stages.shade_s, 1e3 * stages.read_s});
     set(state, "brightness", brightness_of(*studio.picture));
   }
   if (studio.refined != nullptr) set(state, "refined", static_cast<double>(studio.refined->id));

@@ -39,7 +39,7 @@ void draw_side_tabs(Ui& ui) {
   };
   constexpr Tab tabs[] = {{"Layers", draw_layers},   {"Material", draw_material},
                           {"Light", draw_light},     {"Compress", draw_compression},
-                          {"History", draw_history}, {"Statistics", draw_statistics}};
+                          {"History", draw_history}, {"Stats", draw_statistics}};
   for (const Tab& tab : tabs) {
     const bool open = ImGui::BeginTabItem(tab.name);
     mark(ui.probe, std::string("tab/") + tab.name);
@@ -58,7 +58,7 @@ void draw_side_tabs(Ui& ui) {
 void draw_panels(Ui& ui) {
   const ImVec2 window = ImGui::GetIO().DisplaySize;
   const float em = ImGui::GetFontSize();
-  const float bar = ImGui::GetFrameHeight(), left = 7 * em, right = 24 * em;
+  const float bar = ImGui::GetFrameHeight(), left = 7 * em, right = 25 * em;
   const float middle = std::max(20 * em, window.x - left - right);
   const float split = std::floor(0.6f * middle), bottom = std::floor(0.28f * window.y);
   const float top = window.y - bar - bottom;
@@ -167,10 +167,12 @@ void run_studio(const StudioOptions& options) {
       window.keep_open();
     }
     draw_quit(ui, done);
-    window.end_frame();
+    window.draw_frame();
     if (ui.wants_screenshot)
       save_screenshot(ui, options.screenshots.empty() ? "." : options.screenshots);
+    window.show_frame();
     write_probe(probe, studio);
+    if (options.is_cancelled && options.is_cancelled()) throw make_cancelled_error();
   }
   finish_studio(studio);
 }

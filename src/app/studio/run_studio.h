@@ -1,6 +1,7 @@
 // The desktop editor.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ struct StudioOptions {
   std::string probe;               // for scripted runs (app/studio/probe.h)
   std::string screenshots;         // folder that F12 writes to; empty: the working folder
   int width = 1440, height = 900;
+  // Ends the editor at once when it says true; what was not saved is offered again next time.
+  std::function<bool()> is_cancelled;
 };
 
 // Until its window is closed. Throws Error(resource) where there is no display or no OpenGL.

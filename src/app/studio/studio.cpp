@@ -42,7 +42,8 @@ void request_picture(Studio& studio, bool fine) {
                          .lighting = studio.lighting,
                          .camera = make_view_camera(studio, fine ? 1 : studio.interactive_scale),
                          .mode = studio.mode,
-                         .exposure = studio.exposure};
+                         .exposure = studio.exposure,
+                         .fine = fine};
   studio.request_id = studio.pictures.request(std::move(request));
   studio.request_is_fine = fine;
   studio.is_stale = false;
@@ -107,8 +108,8 @@ void update_view(Studio& studio) {
   }
   if (studio.stage == nullptr || studio.material == nullptr) return;
   if (studio.is_stale) {
-    // One picture at a time: the newest state is asked for when the last one is there.
-    if (!studio.pictures.is_busy()) request_picture(studio, false);
+    // One coarse picture at a time: the newest state is asked for when the last one is there.
+    if (!studio.pictures.is_busy() || studio.request_is_fine) request_picture(studio, false);
     return;
   }
   const double rested = studio.now_s - studio.last_change_s;

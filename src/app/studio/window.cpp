@@ -11,7 +11,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <filesystem>
+#include <utility>
 
 #include "base/error.h"
 
@@ -53,12 +55,20 @@ void set_style(float scale) {
     io.FontGlobalScale = scale;
 }
 
+// What is printed on the key, where that is a letter or digit.
+int printed_key(int key, int scancode) {
+  const char* name = glfwGetKeyName(key, scancode);
+  if (name == nullptr || name[0] == 0 || name[1] != 0) return key;
+  return std::toupper(static_cast<unsigned char>(name[0]));
+}
+
 }  // namespace
 
 struct Window::Impl {
   WindowParams params;
   GLFWwindow* window = nullptr;
   double scale = 1;
+  std::vector<KeyPress> keys;
 };
 
 Window::Window(const WindowParams& params) : impl_(std::make_unique<Impl>()) {
@@ -104,6 +114,14 @@ Window::Window(const WindowParams& params) : impl_(std::make_unique<Impl>()) {
   set_style(static_cast<float>(impl_->scale));
   ImGui_ImplGlfw_InitForOpenGL(impl_->window, true);
   ImGui_ImplOpenGL3_Init(shaders);
+  glfwSetKeyCallback(
+      impl_->window, [](GLFWwindow* window, int key, int scancode, int action, int mods) {
+        ImGui_ImplGlfw_KeyCallback(window, key, scancode, action, mods);
+        auto* impl = static_cast<Impl*>(glfwGetWindowUserPointer(window));
+        if (action == GLFW_PRESS)
+          impl->keys.push_back({printed_key(key, scancode), (mods & GLFW_MOD_CONTROL) != 0,
+                                (mods & GLFW_MOD_SHIFT) != 0});
+      });
 }
 
 Window::~Window() {
@@ -124,7 +142,7 @@ void Window::begin_frame(double timeout_s) {
   ImGui::NewFrame();
 }
 
-void Window::end_frame() {
+void Window::draw_frame() {
   ImGui::Render();
   int width = 0, height = 0;
   glfwGetFramebufferSize(impl_->window, &width, &height);
@@ -132,7 +150,14 @@ void Window::end_frame() {
   glClearColor(0, 0, 0, 1);
   glClear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+void Window::show_frame() {
   glfwSwapBuffers(impl_->window);
+}
+
+std::vector<KeyPress> Window::take_keys() {
+  return std::exchange(impl_->keys, {});
 }
 
 bool Window::wants_close() const {
@@ -158,7 +183,7 @@ std::vector<std::uint8_t> Window::read_frame(int& width, int& height) const {
   const std::size_t row = 4 * static_cast<std::size_t>(width);
   std::vector<std::uint8_t> upside_down(row * static_cast<std::size_t>(height)),
       rgba(upside_down.size());
-  glReadBuffer(GL_FRONT);
+  glReadBuffer(GL_BACK);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, upside_down.data());
   for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)

@@ -9,6 +9,12 @@
 
 namespace parian {
 
+// A key that went down: capital letters and digits as they are printed on it, else GLFW's code.
+struct KeyPress {
+  int key = 0;
+  bool control = false, shift = false;
+};
+
 struct WindowParams {
   int width = 1440, height = 900;
   std::string title;
@@ -25,12 +31,15 @@ class Window {
 
   // Events, then a new frame of ImGui. Waits up to `timeout_s` where nothing happens.
   void begin_frame(double timeout_s);
-  void end_frame();
+  void draw_frame();
+  void show_frame();
+  // Since the last frame, in order: none is lost, however short.
+  std::vector<KeyPress> take_keys();
   bool wants_close() const;
   void keep_open();  // takes back what wants_close says
   void set_title(const std::string& title);
   double scale() const;  // of the display: 1 for about 96 dpi
-  // Of the last frame, RGBA, row 0 on top.
+  // Of the frame that is drawn and not yet shown, RGBA, row 0 on top.
   std::vector<std::uint8_t> read_frame(int& width, int& height) const;
 
  private:
