@@ -270,6 +270,7 @@ def check_save(studio, folder):
     studio.type_into("file/name", "made.json")
     studio.click("file/ok")
     studio.until(lambda s: any("saved" in m for m in s["messages"]), "saved recipe")
+    assert (folder / "made.json").exists(), studio.state()["messages"]
     recipe = json.loads((folder / "made.json").read_text())
     assert [layer["operation"] for layer in recipe["layers"]] == ["adjust", "blend"], recipe
 

@@ -36,7 +36,7 @@ void draw_row(Ui& ui, std::size_t i) {
   mark(ui.probe, fmt::format("layer/{}/on", i));
   ImGui::SameLine();
   const bool is_selected = studio.selected_layer == i;
-  const float room = ImGui::GetContentRegionAvail().x - 3.6f * ImGui::GetFrameHeight();
+  const float room = ImGui::GetContentRegionAvail().x - 4.6f * ImGui::GetFrameHeight();
   if (ImGui::Selectable(fmt::format("{} ({})", layer.name, layer.kind).c_str(), is_selected, 0,
                         {room, 0})) {
     studio.selected_layer = i;

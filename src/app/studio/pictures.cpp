@@ -25,6 +25,7 @@ struct Splatter {
   std::shared_ptr<const Stage> stage;
   std::shared_ptr<const Material> material;
   Lighting lighting;
+  Camera camera;
   std::unique_ptr<SplatRenderer> renderer;
 };
 
@@ -34,6 +35,10 @@ Image splat(Splatter& splatter, const GlLimits& limits, const PictureRequest& re
     SplatParams params;
     params.samples = splatter.samples;
     params.antialias = 1;
+    if (!request.fine) {  // less than half of the splats' area
+      params.octave = 3.5;
+      params.texel = 1;
+    }
     params.rays = 32;
     params.reflection_rays = 4;
     Scene scene = request.stage->scene;
@@ -49,8 +54,9 @@ Image splat(Splatter& splatter, const GlLimits& limits, const PictureRequest& re
     if (splatter.material != material) splatter.renderer->set_material(*material);
     if (!(splatter.lighting == request.lighting))
       splatter.renderer->set_lights(make_lights(request.lighting));
-    splatter.renderer->set_camera(request.camera);
+    if (!(splatter.camera == request.camera)) splatter.renderer->set_camera(request.camera);
   }
+  splatter.camera = request.camera;
   splatter.material = material;
   splatter.lighting = request.lighting;
   splatter.renderer->draw(true, progress);

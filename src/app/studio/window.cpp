@@ -69,6 +69,12 @@ struct Window::Impl {
   GLFWwindow* window = nullptr;
   double scale = 1;
   std::vector<KeyPress> keys;
+  // ImGui looks at which keys are down once a frame: releases wait for the next one, so that short
+  // presses are seen.
+  struct Release {
+    int key, scancode, mods;
+  };
+  std::vector<Release> releases;
 };
 
 Window::Window(const WindowParams& params) : impl_(std::make_unique<Impl>()) {
@@ -116,8 +122,9 @@ Window::Window(const WindowParams& params) : impl_(std::make_unique<Impl>()) {
   ImGui_ImplOpenGL3_Init(shaders);
   glfwSetKeyCallback(
       impl_->window, [](GLFWwindow* window, int key, int scancode, int action, int mods) {
-        ImGui_ImplGlfw_KeyCallback(window, key, scancode, action, mods);
         auto* impl = static_cast<Impl*>(glfwGetWindowUserPointer(window));
+        if (action == GLFW_RELEASE) return impl->releases.push_back({key, scancode, mods});
+        ImGui_ImplGlfw_KeyCallback(window, key, scancode, action, mods);
         if (action == GLFW_PRESS)
           impl->keys.push_back({printed_key(key, scancode), (mods & GLFW_MOD_CONTROL) != 0,
                                 (mods & GLFW_MOD_SHIFT) != 0});
@@ -133,6 +140,9 @@ Window::~Window() {
 }
 
 void Window::begin_frame(double timeout_s) {
+  for (const Impl::Release& release : std::exchange(impl_->releases, {}))
+    ImGui_ImplGlfw_KeyCallback(impl_->window, release.key, release.scancode, GLFW_RELEASE,
+                               release.mods);
   if (timeout_s > 0)
     glfwWaitEventsTimeout(timeout_s);
   else
