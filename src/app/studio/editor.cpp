@@ -1,5 +1,7 @@
 #include "app/studio/editor.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -8,6 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "io/json/json.h"
 
 namespace parian {
 namespace {
@@ -19,6 +22,14 @@ struct Command {
   std::string label, merge_key;
   Editor::Change change;
 };
+
+// As if read from a file, so that errors name the layer and the key.
+Document with_places(const Document& layer) {
+  const Document* name = find(layer, "name");
+  const auto* text = name != nullptr ? std::get_if<std::string>(&name->value) : nullptr;
+  return parse_document(format_document(layer),
+                        text != nullptr ? fmt::format("layer '{}'", *text) : "layer");
+}
 
 std::shared_ptr<EditorSnapshot> make_snapshot(const EditSession& session, const EditState& state) {
   auto snapshot = std::make_shared<EditorSnapshot>();
@@ -218,13 +229,13 @@ void Editor::wait() {
 }
 
 Editor::Change set_layer(std::size_t index, Document layer) {
-  return [index, layer = std::move(layer)](EditSession& session) {
+  return [index, layer = with_places(layer)](EditSession& session) {
     return with_layer(session, index, layer);
   };
 }
 
 Editor::Change insert_layer(std::size_t index, Document layer) {
-  return [index, layer = std::move(layer)](EditSession& session) {
+  return [index, layer = with_places(layer)](EditSession& session) {
     return with_new_layer(session, index, layer);
   };
 }

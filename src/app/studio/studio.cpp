@@ -235,7 +235,8 @@ void update(Studio& studio, double now_s) {
 }
 
 bool is_settled(const Studio& studio) {
-  if (!studio.jobs.views().empty() || studio.is_stale || studio.flat_is_stale) return false;
+  if (!studio.jobs.views().empty() || studio.is_stale) return false;
+  if (studio.snapshot != nullptr && studio.flat_is_stale) return false;
   if (studio.editor != nullptr && studio.editor->activity().busy) return false;
   if (studio.stage == nullptr || studio.material == nullptr) return true;
   const bool shows_newest = studio.picture != nullptr && studio.picture->id == studio.request_id;
