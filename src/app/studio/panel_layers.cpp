@@ -4,6 +4,7 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "app/studio/tools.h"
 #include "app/studio/ui.h"
@@ -136,7 +137,8 @@ void draw_layers(Ui& ui) {
   }
   ImGui::Separator();
   for (std::size_t i = studio.snapshot->layers.size(); i-- > 0;) draw_row(ui, i);
-  ImGui::TextDisabled("%s", studio.material_path.c_str());
+  ImGui::TextDisabled("%s", std::filesystem::path(studio.material_path).filename().c_str());
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", studio.material_path.c_str());
   if (selected_layer(studio) == nullptr) return;
   const std::size_t index = *studio.selected_layer;
   ImGui::Separator();

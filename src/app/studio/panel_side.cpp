@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "app/studio/ui.h"
 #include "base/memory.h"
@@ -60,7 +61,8 @@ void draw_material(Ui& ui) {
   }
   mark(ui.probe, "homogeneous");
   if (!studio.is_homogeneous) {
-    ImGui::TextWrapped("%s", studio.material_path.c_str());
+    ImGui::TextWrapped("%s", std::filesystem::path(studio.material_path).filename().c_str());
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", studio.material_path.c_str());
     if (studio.snapshot == nullptr) return;
     const EditState& state = studio.snapshot->after;
     ImGui::Text("%d x %d pixels of %.3g mm, %d channels", state.width, state.height,

@@ -104,7 +104,7 @@ void save_screenshot(Ui& ui, const std::string& folder) {
       image.values[i] = decode_srgb(static_cast<float>(rgba[i / 3 * 4 + i % 3]) / 255.0f);
     const std::string path = next_screenshot(folder);
     save_image(path, image);
-    report(ui.studio, "screenshot: " + path);
+    report(ui.studio, "screenshot: " + std::filesystem::path(path).filename().string());
   } catch (const std::exception& error) {
     report(ui.studio, error.what(), true);
   }

@@ -26,6 +26,11 @@ namespace {
 
 constexpr double mesh_size_mm = 60;
 constexpr std::size_t max_recent = 12;
+constexpr Rgb background{0.02f, 0.02f, 0.025f};
+
+std::string file_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
 
 RecipeLoaders make_loaders(const std::string& recipe) {
   return make_recipe_loaders(std::filesystem::path(recipe).parent_path().string());
@@ -99,7 +104,7 @@ void open_table_file(Studio& studio, const std::string& path) {
     return [&studio, path, table, map] {
       show_map(studio, *map, path, table);
       remember(studio, path);
-      report(studio, "fitted " + path);
+      report(studio, "fitted " + file_name(path));
     };
   });
 }
@@ -111,7 +116,7 @@ void open_map_file(Studio& studio, const std::string& path, bool is_blend) {
     return [&studio, path, map] {
       show_map(studio, *map, path);
       remember(studio, path);
-      report(studio, "opened " + path);
+      report(studio, "opened " + file_name(path));
     };
   });
 }
@@ -122,12 +127,13 @@ void open_mesh_file(Studio& studio, const std::string& path) {
     scene.mesh = load_mesh(path);
     fit_to_size(scene.mesh, mesh_size_mm);
     scene.mesh_name = path;
+    scene.background = background;
     auto stage = make_stage(std::move(scene));
     return [&studio, path, stage] {
       show_stage(studio, stage, path);
       remember(studio, path);
-      report(studio,
-             fmt::format("opened {}: {} triangles", path, stage->scene.mesh.triangles.size()));
+      report(studio, fmt::format("opened {}: {} triangles", file_name(path),
+                                 stage->scene.mesh.triangles.size()));
     };
   });
 }
@@ -150,7 +156,8 @@ void open_image_file(Studio& studio, const std::string& path) {
     studio.editor->post("hallucinate", insert_layer(studio.snapshot->layers.size(), layer));
     studio.selected_layer = studio.snapshot->layers.size();
     touch_map(studio);
-    return report(studio, "a material from " + path + " with the range of the inspected pixel");
+    return report(studio,
+                  "a material from " + file_name(path) + " with the range of the inspected pixel");
   }
   studio.jobs.start("open " + path, [&studio, path](const Progress&) -> Jobs::Finish {
     auto image = std::make_shared<const Image>(make_environment_image(load_image(path), path));
@@ -158,7 +165,7 @@ void open_image_file(Studio& studio, const std::string& path) {
       studio.lighting.image = image;
       touch_view(studio);
       remember(studio, path);
-      report(studio, "lit by " + path);
+      report(studio, "lit by " + file_name(path));
     };
   });
 }
@@ -209,8 +216,9 @@ void open_scene_file(Studio& studio, const std::string& path) {
         set_homogeneous(studio, controls);
       }
       remember(studio, path);
-      report(studio, has_layers ? "opened " + path + "; its layers on the surface are not shown"
-                                : "opened " + path);
+      report(studio, has_layers
+                         ? "opened " + file_name(path) + "; its layers on the surface are not shown"
+                         : "opened " + file_name(path));
     };
   });
 }
@@ -281,7 +289,7 @@ void start_studio(Studio& studio, const StudioPaths& paths) {
   scene.mesh = make_shape("knot");
   fit_to_size(scene.mesh, mesh_size_mm);
   scene.mesh_name = "knot";
-  scene.background = {0.02f, 0.02f, 0.025f};
+  scene.background = background;
   show_stage(studio, make_stage(std::move(scene)), "knot");
   const std::string table = paths.data_folder + "/stone-72x64.h5";
   try {
