@@ -30,6 +30,8 @@ FormatParts parts_of(TexelFormat format) {
       return {GL_RGBA32F, GL_RGBA, GL_FLOAT, 16};
     case TexelFormat::rgba16f:
       return {GL_RGBA16F, GL_RGBA, GL_FLOAT, 8};
+    case TexelFormat::rgba16f_halves:
+      return {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, 8};
     case TexelFormat::r16ui:
       return {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2};
     case TexelFormat::rgba16ui:
@@ -298,6 +300,9 @@ void set_uniform(const Program& program, const char* name, const std::vector<Mat
 }
 void set_uniform(const Program& program, const char* name, const std::vector<Vec2>& values) {
   glUniform2fv(locate(program, name), static_cast<GLsizei>(values.size()), &values[0].x);
+}
+void set_uniform(const Program& program, const char* name, const std::vector<Vec4>& values) {
+  glUniform4fv(locate(program, name), static_cast<GLsizei>(values.size()), values[0].data());
 }
 
 void bind_texture(const Program& program, const char* name, int unit, const Texture& texture) {

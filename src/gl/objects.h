@@ -39,7 +39,18 @@ void destroy_vertex_array(std::uint32_t name);
 void destroy_framebuffer(std::uint32_t name);
 void destroy_program(std::uint32_t name);
 
-enum class TexelFormat { r32f, rg32f, rgb32f, rgba32f, rgba16f, r16ui, rgba16ui, depth32f };
+// `rgba16f` takes 32-bit floats, `rgba16f_halves` the bits of 16-bit ones.
+enum class TexelFormat {
+  r32f,
+  rg32f,
+  rgb32f,
+  rgba32f,
+  rgba16f,
+  rgba16f_halves,
+  r16ui,
+  rgba16ui,
+  depth32f
+};
 
 // Fetched texel by texel unless said otherwise: nearest, clamped to the edge.
 struct Texture {
@@ -106,6 +117,8 @@ void set_uniform(const Program& program, const char* name, const std::vector<int
 using Mat4 = std::array<float, 16>;
 void set_uniform(const Program& program, const char* name, const std::vector<Mat4>& values);
 void set_uniform(const Program& program, const char* name, const std::vector<Vec2>& values);
+using Vec4 = std::array<float, 4>;
+void set_uniform(const Program& program, const char* name, const std::vector<Vec4>& values);
 void bind_texture(const Program& program, const char* name, int unit, const Texture& texture);
 
 // One triangle over the whole target (shaders/screen_vertex.glsl).
