@@ -125,9 +125,14 @@ void bind_texture(const Program& program, const char* name, int unit, const Text
 void draw_screen();
 // Where the target's depth is nearer than the far plane: on what has been drawn.
 void draw_screen_on_surface();
+// The same, with the depth test as it is.
+void draw_triangle();
+// Four corners in a strip, `count` times.
+void draw_squares(int count);
 void set_additive_blending(bool enabled);
 
-// Throws Error(contract) naming `where` when OpenGL has recorded an error.
+// Throws Error naming `where` when OpenGL has recorded an error: contract, or resource where memory
+// ran out or the device was lost.
 void check_gl(const char* where);
 // Waits until everything is drawn: for timing.
 void finish_gl();
