@@ -98,6 +98,17 @@ ParamList describe(SplatParams& params) {
           {.name = "seed", .help = "of samples and rays", .target = &params.seed}};
 }
 
+SplatParams make_interactive_params() {
+  SplatParams params;
+  params.samples = 4000;
+  params.rays = 32;
+  params.antialias = 1;
+  params.lights = LightMode::mapped;
+  params.shadow_size = 1024;
+  params.reflection_rays = 4;
+  return params;
+}
+
 struct SplatRenderer::Impl {
   Scene scene;  // without its mesh's vertices: what lights, material and camera need
   SplatParams params;

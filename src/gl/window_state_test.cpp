@@ -2,6 +2,8 @@
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "gl/splat_renderer.h"
 #include "mesh/shapes.h"
 #include "scene/camera.h"
@@ -44,7 +46,7 @@ TEST(WindowState, IsOfNoAccount) {
   glDepthMask(GL_FALSE);
   glPixelStorei(GL_UNPACK_ROW_LENGTH, 7);
   EXPECT_EQ(draw(context.limits()).values, clean.values);
-  EXPECT_GT(clean.values[3 * (20 * 60 + 30)] + clean.values[3 * (15 * 60 + 20)], 0);
+  EXPECT_GT(*std::max_element(clean.values.begin(), clean.values.end()), 0);
 }
 
 }  // namespace
