@@ -40,6 +40,9 @@ struct SplatParams {
   std::uint64_t seed = 1;
 };
 ParamList describe(SplatParams& params);
+// For an editor while something moves: few samples, shadow maps, one ray a pixel. Errors are about
+// four times those of the defaults; a view of 640 x 480 suits a processor without a graphics device.
+SplatParams make_interactive_params();
 
 struct SplatReport {
   double sampling_s = 0, irradiance_s = 0, material_s = 0;  // when lights or material change
