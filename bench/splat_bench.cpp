@@ -1,21 +1,26 @@
 // Splatting: milliseconds per stage and frames per second on the dragon at 1280 x 720, beside the
 // rate at which the device adds bare squares, in the same run.
 //
-//   ./run bench splat [stages] [rate]
+//   ./run bench splat [stages] [rate] [edit] [live]
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "base/stopwatch.h"
 #include "bench/common/assets.h"
 #include "fit/fit.h"
+#include "gl/live_renderer.h"
 #include "gl/splat_rate.h"
 #include "gl/splat_renderer.h"
 #include "io/hdf5/table_file.h"
 #include "scene/camera.h"
+#include "transport/precompute.h"
 
 namespace parian {
 namespace {
@@ -83,6 +88,109 @@ void bench_stages(const GlLimits& limits) {
   }
 }
 
+double seconds_of(const std::function<void()>& work) {
+  double best = 1e30;
+  for (int run = 0; run < 5; ++run) {
+    Stopwatch watch;
+    work();
+    best = std::min(best, watch.lap());
+  }
+  return best;
+}
+
+Dipole make_marble(double scale = 1) {
+  Dipole marble;
+  marble.channels = {{0.0021, 2.19 * scale, 0}, {0.0041, 2.62 * scale, 0}, {0.0071, 3 * scale, 0}};
+  return marble;
+}
+
+Scene make_editor_scene(Material material) {
+  Scene scene = make_scene();
+  scene.material = std::move(material);
+  scene.camera.width = 640;
+  scene.camera.height = 480;
+  frame_box(scene.camera, bounds(scene.mesh));
+  return scene;
+}
+
+// What changes between frames, and the picture with it on the screen.
+void bench_edit(const GlLimits& limits) {
+  fmt::print(
+      "\nAn edit at the interactive quality, 640 x 480, 100 k vertices, ms to the picture\n\n"
+      "| material | samples | material | light | camera | nothing | start s |\n"
+      "|---|---:|---:|---:|---:|---:|---:|\n");
+  const std::pair<const char*, Material> materials[] = {
+      {"stone, a map", std::get<Material>(make_scene().material)}, {"marble", make_marble()}};
+  for (const auto& [name, material] : materials)
+    for (const int samples : {2000, 4000, 16'000}) {
+      Scene scene = make_editor_scene(material);
+      SplatParams params = make_interactive_params();
+      params.samples = samples;
+      Stopwatch watch;
+      SplatRenderer renderer(limits, scene, params);
+      renderer.draw(true);
+      const double start = watch.lap();
+      const double edit = seconds_of([&] {
+        renderer.set_material(material);
+        renderer.draw(true);
+        (void)renderer.read();
+      });
+      const double light = seconds_of([&] {
+        renderer.set_lights(scene.lights);
+        renderer.draw(true);
+        (void)renderer.read();
+      });
+      const double camera = seconds_of([&] {
+        renderer.set_camera(scene.camera);
+        renderer.draw(true);
+        (void)renderer.read();
+      });
+      const double nothing = seconds_of([&] {
+        renderer.draw(true);
+        (void)renderer.read();
+      });
+      fmt::print("| {} | {} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.2f} |\n", name,
+                 renderer.report().samples, 1e3 * edit, 1e3 * light, 1e3 * camera, 1e3 * nothing,
+                 start);
+    }
+}
+
+// Coefficients of a homogeneous material: one pass over the vertices. The transport is a coarse
+// one; its size, and so the time, is that of a fine one.
+void bench_live(const GlLimits& limits) {
+  fmt::print(
+      "\nHomogeneous edits from transport, 640 x 480, 100 k vertices, ms\n\n"
+      "| single scattering | project | update | view | shade | read | edits/s | loading s "
+      "| textures |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|\n");
+  PrecomputeParams coarse;
+  coarse.samples = 2000;
+  coarse.rays = 8;
+  coarse.single_params.directions = 4;
+  coarse.single_params.path_samples = 8;
+  coarse.single_params.resolution = 128;
+  for (const bool has_single : {false, true}) {
+    Dipole marble = make_marble();
+    marble.single_scattering = has_single;
+    const Scene scene = make_editor_scene(marble);
+    const HomogeneousTransport transport = precompute_transport(scene, coarse);
+    LiveParams params;
+    params.antialias = 1;
+    LiveRenderer renderer(limits, scene, transport, params);
+    renderer.draw(true);
+    const double edit = seconds_of([&] {
+      renderer.set_material(marble);
+      renderer.draw(true);
+      (void)renderer.read();
+    });
+    const LiveReport& report = renderer.report();
+    fmt::print(
+        "| {} | {:.2f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.0f} | {:.2f} | {:.1f} MB |\n",
+        has_single ? "yes" : "no", 1e3 * report.project_s, 1e3 * report.update_s,
+        1e3 * report.view_s, 1e3 * report.shade_s, 1e3 * report.read_s, 1 / edit, report.loading_s,
+        1e-6 * static_cast<double>(report.texture_bytes));
+  }
+}
+
 }  // namespace
 }  // namespace parian
 
@@ -96,6 +204,8 @@ int main(int argc, char** argv) {
     fmt::print("{}, {}\n", context.limits().renderer, context.limits().version);
     if (is_chosen("rate")) parian::bench_rate();
     if (is_chosen("stages")) parian::bench_stages(context.limits());
+    if (is_chosen("edit")) parian::bench_edit(context.limits());
+    if (is_chosen("live")) parian::bench_live(context.limits());
   } catch (const parian::Error& error) {
     fmt::print(stderr, "bench_splat: {}\n", error.what());
     return 1;

@@ -21,3 +21,7 @@ foreach(module IN LISTS modules)
   gtest_discover_tests(test_${module} TEST_PREFIX "${module}." DISCOVERY_MODE PRE_TEST
     PROPERTIES LABELS unit TIMEOUT 300 DISCOVERY_TIMEOUT 60)
 endforeach()
+if(TARGET test_studio)
+  gtest_discover_tests(test_studio TEST_PREFIX "studio." DISCOVERY_MODE PRE_TEST
+    PROPERTIES LABELS unit TIMEOUT 300 DISCOVERY_TIMEOUT 60)
+endif()

@@ -23,6 +23,39 @@ TEST(OffscreenContext, AnotherOneAfterItsEnd) {
   EXPECT_NO_THROW(check_gl("a new context"));
 }
 
+std::string message_of(const GlFeatures& features) {
+  GlLimits limits;
+  limits.renderer = "a device";
+  limits.version = "its version";
+  try {
+    check_features(features, limits);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind, ErrorKind::resource);
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Features, WhatIsMissingIsNamed) {
+  EXPECT_EQ(message_of({false, 30, true}), "");
+  EXPECT_EQ(message_of({true, 33, false}), "");  // part of the version
+  EXPECT_EQ(message_of({false, 20, true}),
+            "OpenGL: expected OpenGL ES 3.0 or OpenGL 3.3, found 'its version'");
+  EXPECT_EQ(message_of({true, 32, true}),
+            "OpenGL: expected OpenGL ES 3.0 or OpenGL 3.3, found 'its version'");
+  EXPECT_EQ(message_of({false, 30, false}),
+            "OpenGL: expected the extension EXT_color_buffer_float, found 'a device' without");
+}
+
+TEST(OffscreenContext, OfBothKindsOneAfterTheOther) {
+  for (const ContextKind kind : {ContextKind::desktop, ContextKind::embedded}) {
+    const OffscreenContext context(kind);
+    const bool is_embedded = context.limits().version.find("OpenGL ES") != std::string::npos;
+    EXPECT_EQ(is_embedded, kind == ContextKind::embedded) << context.limits().version;
+    EXPECT_NO_THROW(check_gl("a new context"));
+  }
+}
+
 TEST(Texture, KeepsFloatsAndTheOrderOfRows) {
   const OffscreenContext context;
   std::vector<float> values(4 * 5 * 3);

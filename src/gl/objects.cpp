@@ -30,6 +30,8 @@ FormatParts parts_of(TexelFormat format) {
       return {GL_RGBA32F, GL_RGBA, GL_FLOAT, 16};
     case TexelFormat::rgba16f:
       return {GL_RGBA16F, GL_RGBA, GL_FLOAT, 8};
+    case TexelFormat::rgba16f_halves:
+      return {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, 8};
     case TexelFormat::r16ui:
       return {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2};
     case TexelFormat::rgba16ui:
@@ -65,7 +67,9 @@ Texture create_texture(Texture texture, const std::string& what, const void* dat
   const GLenum target = target_of(texture);
   const FormatParts parts = parts_of(texture.format);
   glBindTexture(target, name);
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
   if (texture.layers > 0)
     glTexImage3D(target, 0, parts.internal, texture.width, texture.height, texture.layers, 0,
                  parts.format, parts.type, data);
@@ -118,6 +122,13 @@ GLuint compile(GLenum kind, const std::vector<std::string_view>& files,
 
 GLint locate(const Program& program, const char* name) {
   return glGetUniformLocation(program.handle.get(), name);
+}
+
+GlHandle<destroy_vertex_array> bind_no_vertices() {
+  GLuint name = 0;
+  glGenVertexArrays(1, &name);
+  glBindVertexArray(name);
+  return GlHandle<destroy_vertex_array>(name);
 }
 
 }  // namespace
@@ -218,6 +229,9 @@ Framebuffer make_framebuffer(const std::vector<Attachment>& colors, const std::s
 }
 
 void bind(const Framebuffer& framebuffer) {
+  // What a window's own drawing may have left.
+  for (const GLenum test : {GL_SCISSOR_TEST, GL_CULL_FACE, GL_STENCIL_TEST}) glDisable(test);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.handle.get());
   glViewport(0, 0, framebuffer.width, framebuffer.height);
 }
@@ -299,6 +313,9 @@ void set_uniform(const Program& program, const char* name, const std::vector<Mat
 void set_uniform(const Program& program, const char* name, const std::vector<Vec2>& values) {
   glUniform2fv(locate(program, name), static_cast<GLsizei>(values.size()), &values[0].x);
 }
+void set_uniform(const Program& program, const char* name, const std::vector<Vec4>& values) {
+  glUniform4fv(locate(program, name), static_cast<GLsizei>(values.size()), values[0].data());
+}
 
 void bind_texture(const Program& program, const char* name, int unit, const Texture& texture) {
   glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
@@ -306,18 +323,27 @@ void bind_texture(const Program& program, const char* name, int unit, const Text
   glUniform1i(locate(program, name), unit);
 }
 
+// A core profile draws nothing without a vertex array, and one belongs to its context.
+void draw_triangle() {
+  const GlHandle<destroy_vertex_array> none = bind_no_vertices();
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void draw_squares(int count) {
+  const GlHandle<destroy_vertex_array> none = bind_no_vertices();
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
+}
+
 void draw_screen() {
   glDisable(GL_DEPTH_TEST);
-  glBindVertexArray(0);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
+  draw_triangle();
 }
 
 void draw_screen_on_surface() {
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_FALSE);
-  glBindVertexArray(0);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
+  draw_triangle();
   glDepthMask(GL_TRUE);
   glDisable(GL_DEPTH_TEST);
 }
@@ -331,6 +357,9 @@ void set_additive_blending(bool enabled) {
 void check_gl(const char* where) {
   const GLenum error = glGetError();
   if (error == GL_NO_ERROR) return;
+  if (error == GL_CONTEXT_LOST)
+    throw Error({{}, where, "a graphics device", "none: it was lost or reset; start again"},
+                ErrorKind::resource);
   throw Error({{}, where, "no OpenGL error", fmt::format("{:#x}", error)},
               error == GL_OUT_OF_MEMORY ? ErrorKind::resource : ErrorKind::contract);
 }

@@ -39,7 +39,18 @@ void destroy_vertex_array(std::uint32_t name);
 void destroy_framebuffer(std::uint32_t name);
 void destroy_program(std::uint32_t name);
 
-enum class TexelFormat { r32f, rg32f, rgb32f, rgba32f, rgba16f, r16ui, rgba16ui, depth32f };
+// `rgba16f` takes 32-bit floats, `rgba16f_halves` the bits of 16-bit ones.
+enum class TexelFormat {
+  r32f,
+  rg32f,
+  rgb32f,
+  rgba32f,
+  rgba16f,
+  rgba16f_halves,
+  r16ui,
+  rgba16ui,
+  depth32f
+};
 
 // Fetched texel by texel unless said otherwise: nearest, clamped to the edge.
 struct Texture {
@@ -106,15 +117,22 @@ void set_uniform(const Program& program, const char* name, const std::vector<int
 using Mat4 = std::array<float, 16>;
 void set_uniform(const Program& program, const char* name, const std::vector<Mat4>& values);
 void set_uniform(const Program& program, const char* name, const std::vector<Vec2>& values);
+using Vec4 = std::array<float, 4>;
+void set_uniform(const Program& program, const char* name, const std::vector<Vec4>& values);
 void bind_texture(const Program& program, const char* name, int unit, const Texture& texture);
 
 // One triangle over the whole target (shaders/screen_vertex.glsl).
 void draw_screen();
 // Where the target's depth is nearer than the far plane: on what has been drawn.
 void draw_screen_on_surface();
+// The same, with the depth test as it is.
+void draw_triangle();
+// Four corners in a strip, `count` times.
+void draw_squares(int count);
 void set_additive_blending(bool enabled);
 
-// Throws Error(contract) naming `where` when OpenGL has recorded an error.
+// Throws Error naming `where` when OpenGL has recorded an error: contract, or resource where memory
+// ran out or the device was lost.
 void check_gl(const char* where);
 // Waits until everything is drawn: for timing.
 void finish_gl();

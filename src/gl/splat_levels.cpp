@@ -81,8 +81,7 @@ void represent(const ViewPyramid& pyramid, const ViewLevel& level, const SplatPr
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_ALWAYS);
     glDepthMask(GL_TRUE);
-    glBindVertexArray(0);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    draw_triangle();
   }
   use(programs.tiles);
   for (std::size_t layer = 0; layer < level.tile.size(); ++layer) {
@@ -251,8 +250,7 @@ void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, cons
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);
     glDepthMask(GL_FALSE);
-    glBindVertexArray(0);
-    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, source.count);
+    draw_squares(source.count);
   }
   set_additive_blending(false);
   glDisable(GL_DEPTH_TEST);

@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "gl/lamps.h"
+#include "base/stopwatch.h"
+#include "gl/shading.h"
 #include "gl/splat_levels.h"
 #include "mesh/closed.h"
 #include "mesh/surface_samples.h"
@@ -19,19 +19,6 @@
 
 namespace parian {
 namespace {
-
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 const Material& get_material(const Scene& scene) {
   if (!scene.layers.empty())
@@ -57,35 +44,6 @@ std::vector<EnvironmentLight> find_environments(const std::vector<Light>& lights
     if (const auto* environment = std::get_if<EnvironmentLight>(&light))
       found.push_back(*environment);
   return found;
-}
-
-// Of lamp.glsl with one view or the six of a cube.
-struct LampProgram {
-  Program one, six;
-  const Program& of(const Lamp& lamp) const { return lamp.views.size() == 1 ? one : six; }
-};
-LampProgram make_lamp_program(const std::vector<std::string_view>& fragment) {
-  const std::vector<std::string_view> vertex{"screen_vertex.glsl"};
-  return {make_program(vertex, fragment, {"SHADOW_VIEWS 1"}),
-          make_program(vertex, fragment, {"SHADOW_VIEWS 6"})};
-}
-
-// What lights need on the device.
-struct LightPrograms {
-  LampProgram flux, reflection;
-  Program sky_reflection, sky_background;
-};
-LightPrograms make_light_programs() {
-  LightPrograms programs;
-  programs.flux = make_lamp_program({"fresnel.glsl", "lamp.glsl", "lamp_flux_fragment.glsl"});
-  programs.reflection = make_lamp_program(
-      {"fresnel.glsl", "reflector.glsl", "lamp.glsl", "lamp_reflection_fragment.glsl"});
-  programs.sky_reflection =
-      make_program({"screen_vertex.glsl"},
-                   {"fresnel.glsl", "reflector.glsl", "sky.glsl", "sky_reflection_fragment.glsl"});
-  programs.sky_background = make_program(
-      {"screen_vertex.glsl"}, {"camera.glsl", "sky.glsl", "sky_background_fragment.glsl"});
-  return programs;
 }
 
 Program make_resolve_program(const MaterialTextures& material, bool is_single) {
@@ -140,6 +98,17 @@ ParamList describe(SplatParams& params) {
           {.name = "seed", .help = "of samples and rays", .target = &params.seed}};
 }
 
+SplatParams make_interactive_params() {
+  SplatParams params;
+  params.samples = 4000;
+  params.rays = 32;
+  params.antialias = 1;
+  params.lights = LightMode::mapped;
+  params.shadow_size = 1024;
+  params.reflection_rays = 4;
+  return params;
+}
+
 struct SplatRenderer::Impl {
   Scene scene;  // without its mesh's vertices: what lights, material and camera need
   SplatParams params;
@@ -153,41 +122,43 @@ struct SplatRenderer::Impl {
   NearRadii near;
 
   MeshBuffers mesh_buffers;
-  Program geometry_program, shade_program;
+  Program geometry_program;
+  ShadingPrograms shading_programs;
+  LampProgram flux_program;
   SplatPrograms splat_programs;
 
   double max_support_mm = 0;
   RadialLevels radial;
   std::unique_ptr<MaterialTextures> material;
   Program resolve_single, resolve_group;
+  std::vector<std::string> resolve_defines;  // what they were made with
+  bool resolves_sparse = false;
   SplatTables tables;
   Sources sources;
   std::vector<Rgb> flux;  // traced: of all lights, or of environments alone
-  LightPrograms light_programs;
-  std::vector<Lamp> lamps;
-  std::vector<Sky> skies;
+  LightObjects lit;
   bool flux_is_kept = false;
   bool groups_are_old = true;
 
   SplatCamera camera;
-  GeometryBuffer geometry;
+  PictureTargets targets;
   ViewPyramid pyramid;
-  Texture exitance, radiance;
-  Framebuffer exitance_target, radiance_target;
-  bool view_is_old = true;
+  bool view_is_old = true;     // its textures
+  bool view_is_drawn = false;  // geometry and pyramid
   std::vector<float> coverage;
 
   void make_samples(const Progress& progress);
   void set_material(const Material& material);
-  void make_lights(const std::vector<Light>& lights);
+  void set_places();
+  void make_resolve_programs();
   void trace_flux(const std::vector<Light>& lights, const Progress& progress);
   void put_flux();
   void make_view();
   void resolve(int level);
-  void shade();
-  void reflect();
-  const Program& use_reflector(const Program& program) const;
   SampleGrid grid() const { return {material->width, material->height, material->pixel_pitch_mm}; }
+  ShadingInput shading_input() const {
+    return {scene, camera, lit, material->boundary, material->eta, params.reflection_rays};
+  }
   SplatInput input() const { return {radial, material->reference, tables, near, max_support_mm}; }
 };
 
@@ -208,11 +179,34 @@ void SplatRenderer::Impl::set_material(const Material& next) {
   const ProfileField field = make_profile_field(next);
   const bool same_boundary =
       material != nullptr && material->boundary == field.boundary && material->eta == field.eta;
+  const SampleGrid old_grid = material != nullptr ? grid() : SampleGrid{0, 0, 0};
+  const bool was_sparse = material != nullptr && material->is_sparse;
+  const int old_levels = radial.count;
   max_support_mm = static_cast<double>(field.max_support_mm);
   radial = make_radial_levels(params.octave * std::sqrt(area_mm2), max_support_mm);
   material = std::make_unique<MaterialTextures>(
       make_material_textures(next, field, radial, area_mm2, near.near_mm));
   tables = make_splat_tables(radial, material->reference, near);
+  const SampleGrid next_grid = grid();
+  const bool same_grid = old_grid.width == next_grid.width && old_grid.height == next_grid.height &&
+                         old_grid.pixel_pitch_mm == next_grid.pixel_pitch_mm;
+  const bool same_levels = same_boundary && radial.count == old_levels;
+  if (!same_grid || !same_levels) set_places();
+  if (same_boundary) put_flux();
+  bake_profiles(sources, *material);
+  make_resolve_programs();
+  groups_are_old = true;
+  view_is_drawn = view_is_drawn && same_grid;
+  view_is_old = view_is_old || !same_levels || material->is_sparse != was_sparse;
+  report.material_s = watch.lap();
+  report.levels = radial.count;
+  report.splats = 0;
+  for (const SourceLevel& level : sources.levels)
+    report.splats += static_cast<std::size_t>(level.count);
+}
+
+// Where the samples lie in the material.
+void SplatRenderer::Impl::set_places() {
   std::vector<Vec2> places(samples.size());
   parallel_for_blocks(samples.size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -221,32 +215,14 @@ void SplatRenderer::Impl::set_material(const Material& next) {
     }
   });
   sources = make_sources(samples, places, area_mm2, radial);
-  if (same_boundary) put_flux();
-  bake_profiles(sources, *material);
-  resolve_single = make_resolve_program(*material, true);
-  resolve_group = make_resolve_program(*material, false);
-  groups_are_old = view_is_old = true;
-  report.material_s = watch.lap();
-  report.levels = radial.count;
-  report.splats = 0;
-  for (const SourceLevel& level : sources.levels)
-    report.splats += static_cast<std::size_t>(level.count);
 }
 
-void SplatRenderer::Impl::make_lights(const std::vector<Light>& lights) {
-  lamps.clear();
-  skies.clear();
-  const bool reflects = scene.specular.enabled, maps = params.lights == LightMode::mapped;
-  for (const Light& light : lights) {
-    if (const auto* sky = std::get_if<EnvironmentLight>(&light)) {
-      if (reflects || scene.show_environment) skies.push_back(make_sky(*sky));
-    } else if (reflects || maps) {
-      const auto* sun = std::get_if<DirectionalLight>(&light);
-      lamps.push_back(sun != nullptr ? make_lamp(*sun, mesh_buffers, params.shadow_size)
-                                     : make_lamp(std::get<PointLight>(light), mesh_buffers,
-                                                 params.shadow_size));
-    }
-  }
+void SplatRenderer::Impl::make_resolve_programs() {
+  if (resolve_defines == material->defines && resolves_sparse == material->is_sparse) return;
+  resolve_single = make_resolve_program(*material, true);
+  resolve_group = make_resolve_program(*material, false);
+  resolve_defines = material->defines;
+  resolves_sparse = material->is_sparse;
 }
 
 void SplatRenderer::Impl::trace_flux(const std::vector<Light>& lights, const Progress& progress) {
@@ -265,8 +241,8 @@ void SplatRenderer::Impl::put_flux() {
   const Framebuffer target = make_framebuffer({{&sources.flux}}, "flux of samples");
   bind(target);
   set_additive_blending(true);
-  for (const Lamp& lamp : lamps) {
-    const Program& program = light_programs.flux.of(lamp);
+  for (const Lamp& lamp : lit.lamps) {
+    const Program& program = flux_program.of(lamp);
     use(program);
     bind_texture(program, "sample_positions", 0, sources.levels.front().positions);
     bind_texture(program, "sample_normals", 1, sources.normals);
@@ -282,16 +258,12 @@ void SplatRenderer::Impl::put_flux() {
 
 void SplatRenderer::Impl::make_view() {
   const int width = camera.frame.width, height = camera.frame.height;
-  if (geometry.positions.width != width || geometry.positions.height != height) {
-    geometry = make_geometry_buffer(width, height);
-    exitance = make_texture(TexelFormat::rgba32f, width, height, "picture");
-    exitance_target = make_framebuffer({{&exitance}}, "picture", {&geometry.depth});
-    radiance = make_texture(TexelFormat::rgba32f, width, height, "picture");
-    radiance_target = make_framebuffer({{&radiance}}, "picture", {&geometry.depth});
-  }
+  const GeometryBuffer& geometry = targets.geometry;
+  if (geometry.positions.width != width || geometry.positions.height != height)
+    targets = make_picture_targets(width, height);
   pyramid = make_view_pyramid(camera, radial, std::sqrt(area_mm2), params.texel,
                               {format.sums, material->is_sparse});
-  view_is_old = false;
+  view_is_old = view_is_drawn = false;
   report.blocks.clear();
   for (const ViewLevel& level : pyramid.levels) report.blocks.push_back(level.block);
   report.targets = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -304,7 +276,8 @@ void SplatRenderer::Impl::resolve(int level) {
   const auto l = static_cast<std::size_t>(level);
   const ViewLevel& view = pyramid.levels[l];
   const Program& program = level == 0 ? resolve_single : resolve_group;
-  bind(exitance_target);
+  const GeometryBuffer& geometry = targets.geometry;
+  bind(targets.exitance_target);
   if (level == 0) clear_color(0);
   use(program);
   bind_texture(program, "positions", 0, geometry.positions);
@@ -334,62 +307,6 @@ void SplatRenderer::Impl::resolve(int level) {
   check_gl("picture");
 }
 
-void SplatRenderer::Impl::shade() {
-  bind(radiance_target);
-  use(shade_program);
-  bind_texture(shade_program, "positions", 0, geometry.positions);
-  bind_texture(shade_program, "normals", 1, geometry.normals);
-  bind_texture(shade_program, "exitances", 2, exitance);
-  set_uniform(shade_program, "is_transmitting", material->boundary == Boundary::excluded ? 1 : 0);
-  set_uniform(shade_program, "eta", static_cast<float>(material->eta));
-  set_uniform(shade_program, "exposure", std::exp2(static_cast<float>(scene.exposure)));
-  set_uniform(shade_program, "background", scene.show_environment ? Rgb{} : scene.background);
-  draw_screen();
-  reflect();
-  check_gl("picture");
-}
-
-const Program& SplatRenderer::Impl::use_reflector(const Program& program) const {
-  use(program);
-  bind_texture(program, "positions", 0, geometry.positions);
-  bind_texture(program, "normals", 1, geometry.normals);
-  bind_texture(program, "places", 2, geometry.places);
-  const double roughness = scene.specular.roughness;
-  set_uniform(program, "viewer", camera.frame.position);
-  set_uniform(program, "alpha", std::max(1e-3f, static_cast<float>(roughness * roughness)));
-  set_uniform(program, "eta",
-              static_cast<float>(scene.specular.eta > 0 ? scene.specular.eta : material->eta));
-  set_uniform(program, "exposure", std::exp2(static_cast<float>(scene.exposure)));
-  return program;
-}
-
-// Adds reflections, and environments behind the object.
-void SplatRenderer::Impl::reflect() {
-  bind(radiance_target);
-  set_additive_blending(true);
-  if (scene.specular.enabled) {
-    for (const Lamp& lamp : lamps) {
-      bind_lamp(use_reflector(light_programs.reflection.of(lamp)), lamp, 3);
-      draw_screen_on_surface();
-    }
-    for (const Sky& sky : skies) {
-      const Program& program = use_reflector(light_programs.sky_reflection);
-      set_uniform(program, "rays", params.reflection_rays);
-      bind_sky(program, sky, 3);
-      draw_screen_on_surface();
-    }
-  }
-  if (scene.show_environment)
-    for (const Sky& sky : skies) {
-      const Program& program = use_reflector(light_programs.sky_background);
-      parian::set_camera(program, camera);
-      bind_sky(program, sky, 3);
-      draw_screen();
-    }
-  set_additive_blending(false);
-  check_gl("reflections");
-}
-
 SplatRenderer::SplatRenderer(const GlLimits& limits, const Scene& scene, const SplatParams& params,
                              const Progress& progress)
     : impl_(std::make_unique<Impl>()) {
@@ -408,13 +325,12 @@ SplatRenderer::SplatRenderer(const GlLimits& limits, const Scene& scene, const S
   impl.scene.background = scene.background;
   impl.scene.show_environment = scene.show_environment;
   impl.scene.specular = scene.specular;
-  impl.light_programs = make_light_programs();
+  impl.flux_program = make_lamp_program({"fresnel.glsl", "lamp.glsl", "lamp_flux_fragment.glsl"});
+  impl.shading_programs = make_shading_programs();
   impl.tracer = std::make_unique<RayTracer>(impl.mesh);
   impl.mesh_buffers = make_mesh_buffers(impl.mesh);
   impl.geometry_program = make_geometry_program();
   impl.splat_programs = make_splat_programs();
-  impl.shade_program =
-      make_program({"screen_vertex.glsl"}, {"fresnel.glsl", "shade_fragment.glsl"});
   if (!limits.float_blend)
     impl.report.warnings.emplace_back("the graphics driver sums in 16 bits only");
   const auto* dipole = std::get_if<Dipole>(&material);
@@ -445,7 +361,8 @@ void SplatRenderer::set_material(const Material& material) {
 void SplatRenderer::set_lights(const std::vector<Light>& lights, const Progress& progress) {
   Impl& impl = *impl_;
   Stopwatch watch;
-  impl.make_lights(lights);
+  impl.lit = make_light_objects(lights, impl.scene, impl.mesh_buffers, impl.params.shadow_size,
+                                impl.params.lights == LightMode::mapped);
   if (impl.params.lights == LightMode::traced) {
     impl.trace_flux(lights, progress);
   } else {
@@ -465,7 +382,7 @@ void SplatRenderer::set_camera(const Camera& camera) {
   impl_->view_is_old = true;
 }
 
-void SplatRenderer::draw(bool timed) {
+void SplatRenderer::draw(bool timed, const Progress& progress) {
   Impl& impl = *impl_;
   Stopwatch watch;
   const auto lap = [&] {
@@ -476,40 +393,30 @@ void SplatRenderer::draw(bool timed) {
   if (impl.groups_are_old) group_sources(impl.sources);
   impl.groups_are_old = false;
   impl.report.group_s = lap();
-  draw_geometry(impl.geometry, impl.geometry_program, impl.mesh_buffers, impl.camera,
-                impl.scene.mapping, impl.grid());
-  draw_pyramid(impl.pyramid, impl.splat_programs, impl.geometry, impl.camera);
+  if (!impl.view_is_drawn) {
+    draw_geometry(impl.targets.geometry, impl.geometry_program, impl.mesh_buffers, impl.camera,
+                  impl.scene.mapping, impl.grid());
+    draw_pyramid(impl.pyramid, impl.splat_programs, impl.targets.geometry, impl.camera);
+    impl.view_is_drawn = true;
+  }
   impl.report.view_s = lap();
   impl.report.splat_s = impl.report.resolve_s = 0;
   for (int level = 0; level < impl.radial.count; ++level) {
+    advance_progress(progress, "splatting",
+                     static_cast<double>(level) / static_cast<double>(impl.radial.count));
     splat_level(impl.pyramid, impl.splat_programs, impl.sources, impl.input(), impl.camera, level);
     impl.report.splat_s += lap();
     impl.resolve(level);
     impl.report.resolve_s += lap();
   }
-  impl.shade();
+  shade(impl.targets, impl.shading_programs, impl.shading_input());
   impl.report.shade_s = lap();
 }
 
 Image SplatRenderer::read() {
   Impl& impl = *impl_;
   Stopwatch watch;
-  const std::vector<float> values = read_pixels(impl.radiance_target);
-  const int n = impl.params.antialias;
-  const int width = impl.camera.frame.width / n, height = impl.camera.frame.height / n;
-  const float share = 1.0f / static_cast<float>(n * n);
-  Image image = make_image(width, height, 3);
-  impl.coverage.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0.0f);
-  for (int y = 0; y < n * height; ++y)
-    for (int x = 0; x < n * width; ++x) {
-      const std::size_t from =
-          4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(n * width) +
-               static_cast<std::size_t>(x));
-      for (int c = 0; c < 3; ++c)
-        at(image, x / n, y / n, c) += share * values[from + static_cast<std::size_t>(c)];
-      impl.coverage[static_cast<std::size_t>(y / n) * static_cast<std::size_t>(width) +
-                    static_cast<std::size_t>(x / n)] += share * values[from + 3];
-    }
+  Image image = read_picture(impl.targets.radiance_target, impl.params.antialias, impl.coverage);
   impl.report.read_s = watch.lap();
   return image;
 }

@@ -40,6 +40,9 @@ struct SplatParams {
   std::uint64_t seed = 1;
 };
 ParamList describe(SplatParams& params);
+// For an editor while something moves: few samples, shadow maps, one ray a pixel. Errors are about
+// four times those of the defaults; a view of 640 x 480 suits a processor without a graphics device.
+SplatParams make_interactive_params();
 
 struct SplatReport {
   double sampling_s = 0, irradiance_s = 0, material_s = 0;  // when lights or material change
@@ -74,8 +77,8 @@ class SplatRenderer {
   void set_camera(const Camera& camera);
 
   // Linear radiance times 2^exposure into textures of its own; read() copies it, averaged over the
-  // n x n pixels. `timed`: waits after each stage and fills the report.
-  void draw(bool timed = false);
+  // n x n pixels. `timed`: waits after each stage, fills the report, and can be cancelled.
+  void draw(bool timed = false, const Progress& progress = {});
   Image read();
   // Of the last picture: 1 where the mesh is seen by all n x n, 0 by none.
   const std::vector<float>& coverage() const;

@@ -1,4 +1,3 @@
-#include <chrono>
 #include <numbers>
 
 #include "base/parallel.h"
@@ -185,18 +184,6 @@ const Dipole* find_single_scattering(const Scene& scene, RenderReport& report) {
 }
 
 }  // namespace
-
-Stopwatch::Stopwatch() : last_(0) {
-  lap();
-}
-
-double Stopwatch::lap() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  const double seconds = std::chrono::duration<double>(now).count();
-  const double elapsed = seconds - last_;
-  last_ = seconds;
-  return elapsed;
-}
 
 std::vector<MeshPlace> vertex_places(const TriangleMesh& mesh) {
   std::vector<MeshPlace> places(mesh.positions.size());

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "base/stopwatch.h"
 #include "mesh/ray_tracer.h"
 #include "mesh/surface_samples.h"
 #include "render/primary_internal.h"
@@ -19,15 +20,5 @@ std::vector<Rgb> compute_exitance(const Scene& scene, const RayTracer& tracer,
 
 // A place for each vertex.
 std::vector<MeshPlace> vertex_places(const TriangleMesh& mesh);
-
-// Seconds since the last call, or since it was made.
-class Stopwatch {
- public:
-  Stopwatch();
-  double lap();
-
- private:
-  double last_;
-};
 
 }  // namespace parian

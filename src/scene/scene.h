@@ -22,6 +22,7 @@ struct Camera {
   double fov_deg = 30;  // vertical
   int width = 960;
   int height = 720;
+  friend bool operator==(const Camera&, const Camera&) = default;
 };
 inline constexpr int max_picture_side = 16384;
 

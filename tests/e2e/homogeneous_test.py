@@ -46,6 +46,18 @@ class Homogeneous(program.ProgramTest):
         self.succeed("render", "scene.json", "--transport", "t.h5", "-o", "c.exr", *PICTURE)
         self.assertNotEqual(self.read_bytes("a.exr"), self.read_bytes("c.exr"))
 
+    def test_transport_on_the_graphics_device(self):
+        self.precompute()
+        for name, method in (("a.exr", "tree"), ("b.exr", "splat")):
+            self.succeed("render", "scene.json", "--transport", "t.h5", "-o", name, "--method",
+                         method, "--json", name + ".json", *PICTURE)
+        self.assertEqual(self.read_json("b.exr.json")["gather"], "transport on the graphics device")
+        for a, b in zip(self.mean("a.exr"), self.mean("b.exr")):
+            self.assertAlmostEqual(b / a, 1, delta=0.02)
+        self.succeed("render", "scene.json", "--transport", "t.h5", "-o", "f-#.exr", "--method",
+                     "splat", "--sweep", "sigma_s=0.3:4:2", *PICTURE)
+        self.assertNotEqual(self.mean("f-1.exr"), self.mean("f-2.exr"))
+
     def test_transport_is_made_once_and_the_same_by_any_threads(self):
         self.precompute("--threads", "1")
         first = self.read_bytes("t.h5")

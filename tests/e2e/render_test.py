@@ -109,6 +109,27 @@ class Render(program.ProgramTest):
         self.succeed("render", "scene.json", "-o", "b.exr", "--threads", "2", *QUICK)
         self.assertEqual(self.read_bytes("a.exr"), self.read_bytes("b.exr"))
 
+    def test_splatting(self):
+        quick = ("--samples", "20000", "--rays", "16", "--antialias", "1")
+        lit = scene(lights=[{"type": "directional", "direction": [1, 1, 1], "irradiance": 2}])
+        self.write_json("scene.json", lit)
+        self.succeed("render", "scene.json", "-o", "a.exr", "--json", "report.json", "--method",
+                     "splat", *quick)
+        report = self.read_json("report.json")
+        self.assertEqual((set(report), report["gather"]), (REPORT_KEYS, "splat"))
+        self.succeed("render", "scene.json", "-o", "b.exr", "--method", "brute", *quick)
+        for a, b in zip(self.mean("a.exr"), self.mean("b.exr")):
+            self.assertAlmostEqual(a / b, 1, delta=0.03)
+
+    def test_splatting_what_it_cannot(self):
+        self.write_json("scene.json", scene(layers=[{"material": {"named": "Ketchup"}}]))
+        self.fail_with(2, "layers: expected a scene without layers for splatting, found 1",
+                       "render", "scene.json", "-o", "a.png", "--method", "splat", *QUICK)
+        self.write_json("scene.json", scene(camera={"width": 10000, "height": 10}))
+        self.fail_with(1, "the graphics driver's limit, found 20000", "render", "scene.json", "-o",
+                       "a.png", "--method", "splat", "--antialias", "2", "--samples", "2000")
+        self.assertNotIn("a.png", self.names())
+
     def test_table_and_its_fit(self):
         self.write_json("sample.json", program.sample(40, 32, 10))
         self.succeed("simulate", "sample.json", "-o", "table.h5", "--quiet")

@@ -147,7 +147,8 @@ void check_leftovers(const CLI::App& sub, const CommandSpec& command) {
   for (const Flag& flag : command.flags)
     if (flag.alone && sub.get_option("--" + flag.name)->count() > 0) return;
   for (const Positional& positional : command.positionals)
-    if (sub.get_option(positional.name)->count() == 0 && positional.target->empty())
+    if (!positional.optional && sub.get_option(positional.name)->count() == 0 &&
+        positional.target->empty())
       throw_usage({}, positional.name + " after '" + command.name + "'", "nothing");
   for (const Flag& flag : command.flags)
     if (flag.required && sub.get_option("--" + flag.name)->count() == 0)

@@ -20,6 +20,7 @@ struct Positional {
   std::string name;  // "TABLE.h5"
   std::string help;
   std::string* target;
+  bool optional = false;
 };
 
 // A flag that is not a parameter of an algorithm: files, and switches of the command itself.
@@ -64,6 +65,7 @@ CommandSpec make_relight_command();
 CommandSpec make_precompute_command();
 CommandSpec make_render_command();
 CommandSpec make_info_command();
+CommandSpec make_studio_command();
 CommandSpec make_demo_command();
 
 inline std::vector<CommandSpec> all_commands() {
@@ -71,7 +73,7 @@ inline std::vector<CommandSpec> all_commands() {
           make_fit_command(),         make_compress_command(), make_edit_command(),
           make_reconstruct_command(), make_compare_command(),  make_relight_command(),
           make_precompute_command(),  make_render_command(),   make_info_command(),
-          make_demo_command()};
+          make_studio_command(),      make_demo_command()};
 }
 
 }  // namespace parian

@@ -54,20 +54,6 @@ Source open_source(const EditOptions& options) {
   return source;
 }
 
-RecipeLoaders make_loaders(const std::string& recipe) {
-  const std::filesystem::path folder = std::filesystem::path(recipe).parent_path();
-  const auto resolve = [folder](const std::string& name) { return (folder / name).string(); };
-  RecipeLoaders loaders;
-  loaders.load_map = [resolve](const std::string& name) {
-    const std::string path = resolve(name);
-    return find_file_kind(path) == FileKind::blend ? make_profile_map(load_blend(path))
-                                                   : load_profile_map(path);
-  };
-  loaders.load_image = [resolve](const std::string& name) { return load_image(resolve(name)); };
-  loaders.load_table = [resolve](const std::string& name) { return open_table(resolve(name)); };
-  return loaders;
-}
-
 struct LayerFigures {
   std::string name, operation;
   double seconds = 0;
@@ -224,7 +210,9 @@ void edit(const EditOptions& options, const Context& context) {
   check_output(options.output, {options.input, options.recipe});
   check_figures(context);
   const Source source = open_source(options);
-  EditSession session = make_edit_session(source.map, make_loaders(options.recipe));
+  EditSession session = make_edit_session(
+      source.map,
+      make_recipe_loaders(std::filesystem::path(options.recipe).parent_path().string()));
   set_recipe(session, load_document(options.recipe));
   const std::vector<LayerFigures> figures = run_layers(session, context.progress);
   const EditState result = evaluate(session, context.progress);

@@ -96,6 +96,21 @@ LoadedScene load_scene(const std::string& path) {
   return loaded;
 }
 
+RecipeLoaders make_recipe_loaders(const std::string& folder) {
+  const auto resolve = [folder = std::filesystem::path(folder)](const std::string& name) {
+    return (folder / name).string();
+  };
+  RecipeLoaders loaders;
+  loaders.load_map = [resolve](const std::string& name) {
+    const std::string path = resolve(name);
+    return find_file_kind(path) == FileKind::blend ? make_profile_map(load_blend(path))
+                                                   : load_profile_map(path);
+  };
+  loaders.load_image = [resolve](const std::string& name) { return load_image(resolve(name)); };
+  loaders.load_table = [resolve](const std::string& name) { return open_table(resolve(name)); };
+  return loaders;
+}
+
 void check_output(const std::string& path, const std::vector<std::string>& inputs) {
   std::error_code ignored;
   for (const std::string& input : inputs)

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "edit/recipe.h"
 #include "judge/plot.h"
 #include "material/material.h"
 #include "scene/scene.h"
@@ -32,6 +33,9 @@ struct LoadedScene {
   std::vector<std::string> files;  // the description and all it refers to
 };
 LoadedScene load_scene(const std::string& path);
+
+// Maps (or blends as maps), images and tables by paths relative to a recipe's folder.
+RecipeLoaders make_recipe_loaders(const std::string& folder);
 
 // Before long work: throws when a result cannot be written or would replace an input.
 void check_output(const std::string& path, const std::vector<std::string>& inputs);

@@ -107,8 +107,8 @@ std::string summarise(const RenderOptions& options, const Scene& scene,
                       report.sample_spacing_mm, report.targets);
   if (report.gather == "tree")
     text += fmt::format(" by the tree, {:.0f} nodes and samples each\n", report.nodes_per_target);
-  else if (report.gather == "transport")
-    text += " from transport\n";
+  else if (report.gather.starts_with("transport"))
+    text += fmt::format(" from {}\n", report.gather);
   else if (report.gather == "splat")
     text += " by splatting\n";
   else if (report.gather == "table")
@@ -138,12 +138,8 @@ const Dipole& get_dipole(const Scene& scene, const std::string& flag) {
 }
 
 FrameSource make_frames(Scene& scene, const RenderOptions& options, const Context& context) {
-  if (options.method == Method::splat) {
-    if (!options.transport.empty())
-      throw Error({{}, "--transport", "'brute' or 'tree' as --method", "'splat'"},
-                  ErrorKind::usage);
+  if (options.method == Method::splat && options.transport.empty())
     return make_splat_frames(scene, options.params, context.progress);
-  }
   if (options.transport.empty())
     return [&](const Dipole* material) {
       if (material != nullptr) scene.material = Material(*material);
@@ -160,6 +156,8 @@ FrameSource make_frames(Scene& scene, const RenderOptions& options, const Contex
   if (file->transport.eta != own.eta)
     throw Error({options.transport, "attribute 'eta'", fmt::format("{}, the scene's", own.eta),
                  fmt::format("{}", file->transport.eta)});
+  if (options.method == Method::splat)
+    return make_live_frames(scene, file->transport, options.params);
   auto renderer =
       std::make_shared<TransportRenderer>(scene, file->transport, options.params, context.progress);
   return [file, renderer, own, &context](const Dipole* material) {

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "gl/live_renderer.h"
 #include "gl/splat_renderer.h"
 
 namespace parian {
@@ -11,6 +12,23 @@ struct SplatFrames {
   OffscreenContext context;
   SplatRenderer renderer;
 };
+
+struct LiveFrames {
+  OffscreenContext context;
+  LiveRenderer renderer;
+};
+
+RenderReport to_report(const LiveReport& live) {
+  RenderReport report;
+  report.gather = "transport on the graphics device";
+  report.triangles = live.triangles;
+  report.vertices = report.targets = live.vertices;
+  report.gather_s = live.project_s + live.update_s;
+  report.shading_s = live.view_s + live.shade_s + live.read_s;
+  report.total_s = report.gather_s + report.shading_s;
+  report.warnings = live.warnings;
+  return report;
+}
 
 RenderReport to_report(const SplatReport& splat, const Scene& scene) {
   RenderReport report;
@@ -53,6 +71,25 @@ std::function<RenderResult(const Dipole* material)> make_splat_frames(const Scen
     RenderResult result;
     result.image = frames->renderer.read();
     result.report = to_report(frames->renderer.report(), scene);
+    return result;
+  };
+}
+
+std::function<RenderResult(const Dipole* material)> make_live_frames(
+    const Scene& scene, const HomogeneousTransport& transport, const RenderParams& params) {
+  LiveParams live;
+  live.antialias = params.antialias;
+  OffscreenContext context;
+  LiveRenderer renderer(context.limits(), scene, transport, live);
+  const auto frames =
+      std::make_shared<LiveFrames>(LiveFrames{std::move(context), std::move(renderer)});
+  const Dipole own = std::get<Dipole>(std::get<Material>(scene.material));
+  return [frames, own](const Dipole* material) {
+    frames->renderer.set_material(material != nullptr ? *material : own);
+    frames->renderer.draw(/*timed=*/true);
+    RenderResult result;
+    result.image = frames->renderer.read();
+    result.report = to_report(frames->renderer.report());
     return result;
   };
 }

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "render/render.h"
+#include "transport/homogeneous_transport.h"
 
 namespace parian {
 
@@ -13,5 +14,10 @@ namespace parian {
 std::function<RenderResult(const Dipole* material)> make_splat_frames(const Scene& scene,
                                                                       const RenderParams& params,
                                                                       const Progress& progress);
+
+// The same from precomputed transport of the scene's mesh and lights, which is copied to the
+// device.
+std::function<RenderResult(const Dipole* material)> make_live_frames(
+    const Scene& scene, const HomogeneousTransport& transport, const RenderParams& params);
 
 }  // namespace parian

@@ -1,0 +1,143 @@
+// The inspected pixel's profile: measured pairs, before and after the edits; and the shape curve,
+// whose points are dragged.
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/studio/tools.h"
+#include "app/studio/ui.h"
+#include "material/properties.h"
+
+namespace parian {
+namespace {
+
+constexpr int curve_steps = 160;
+constexpr double decades = 5;
+
+struct Axes {
+  ImVec2 low, high;           // corners on the screen
+  double max_r = 1, top = 0;  // mm; ln of the largest value
+  ImVec2 place(double r, double log_value) const {
+    const double x = r / max_r, y = (top - log_value) / (decades * 2.302585093);
+    return {low.x + static_cast<float>(x) * (high.x - low.x),
+            low.y + static_cast<float>(y) * (high.y - low.y)};
+  }
+};
+
+void draw_curve(const Axes& axes, const Profile& profile, ImU32 color, float width) {
+  std::vector<ImVec2> line;
+  line.reserve(curve_steps + 1);
+  for (int i = 0; i <= curve_steps; ++i) {
+    const double r = axes.max_r * i / curve_steps, value = eval_log_profile(profile, r);
+    if (!std::isfinite(value)) break;
+    line.push_back(axes.place(r, value));
+  }
+  ImGui::GetWindowDrawList()->AddPolyline(line.data(), static_cast<int>(line.size()), color, 0,
+                                          width);
+}
+
+void draw_grid(const Axes& axes) {
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const ImU32 color = IM_COL32(70, 70, 75, 255), ink = IM_COL32(170, 170, 175, 255);
+  list->AddRect(axes.low, axes.high, color);
+  for (int d = 1; d < static_cast<int>(decades); ++d) {
+    const ImVec2 at = axes.place(0, axes.top - d * 2.302585093);
+    list->AddLine(at, {axes.high.x, at.y}, color);
+  }
+  for (int i = 1; i <= 4; ++i) {
+    const double r = axes.max_r * i / 4;
+    const ImVec2 at = axes.place(r, axes.top);
+    list->AddLine(at, {at.x, axes.high.y}, color);
+    list->AddText({at.x - ImGui::GetFontSize() * 2, axes.high.y - ImGui::GetFontSize() * 1.2f}, ink,
+                  fmt::format("{:.1f} mm", r).c_str());
+  }
+}
+
+// Factors of the selected shape layer at u = 0, 1/4, ..., 1; 1 without one.
+double shape_factor(const Studio& studio, std::size_t point) {
+  const LayerSnapshot* layer = selected_layer(studio);
+  if (layer == nullptr || layer->kind != "shape") return 1;
+  const Document* scale = find(layer->source, "scale");
+  if (scale == nullptr) return 1;
+  for (const Document& pair : as_array(*scale)) {
+    const std::vector<double> values = as_numbers(pair);
+    if (values.size() == 2 && std::abs(values[0] - 0.25 * static_cast<double>(point)) < 1e-9)
+      return values[1];
+  }
+  return 1;
+}
+
+// Points on the edited curve, dragged up and down: a factor 10 for a fifth of the plot.
+void draw_handles(Ui& ui, const Axes& axes, const Profile& profile) {
+  Studio& studio = ui.studio;
+  const double range = profile_range(profile);
+  for (std::size_t i = 0; i <= 4; ++i) {
+    const double u = 0.25 * static_cast<double>(i), r = u * range;
+    const double value = eval_log_profile(profile, std::min(r, 0.999 * profile.support_mm));
+    if (!std::isfinite(value) || r > axes.max_r) continue;
+    const ImVec2 at = axes.place(r, value);
+    ImGui::SetCursorScreenPos({at.x - 6, at.y - 6});
+    ImGui::PushID(static_cast<int>(i));
+    ImGui::InvisibleButton("handle", {12, 12});
+    mark(ui.probe, fmt::format("shape handle {}", i));
+    const bool active = ImGui::IsItemActive(), hovered = ImGui::IsItemHovered();
+    if (ImGui::IsItemActivated()) ui.shape_drag = std::log(shape_factor(studio, i));
+    if (active && ui.shape_drag && ImGui::IsMouseDragging(0, 1)) {
+      const double step = static_cast<double>(ImGui::GetMouseDragDelta(0, 1).y) /
+                          static_cast<double>(axes.high.y - axes.low.y) * decades * 2.302585093;
+      set_shape_point(studio, u, std::clamp(std::exp(*ui.shape_drag - step), 1e-3, 1e3));
+    }
+    if (ImGui::IsItemDeactivated()) {
+      ui.shape_drag.reset();
+      ++studio.drags;
+    }
+    ImGui::GetWindowDrawList()->AddCircleFilled(at, hovered || active ? 6.0f : 4.0f,
+                                                IM_COL32(255, 220, 60, 255));
+    ImGui::PopID();
+  }
+}
+
+}  // namespace
+
+void draw_profile(Ui& ui) {
+  Studio& studio = ui.studio;
+  if (studio.snapshot == nullptr || studio.is_homogeneous) return;
+  const EditState &before = studio.snapshot->before, &after = studio.snapshot->after;
+  static constexpr const char* channels[] = {"red", "green", "blue"};
+  for (int c = 0; c < std::min(3, after.channels); ++c) {
+    if (c > 0) ImGui::SameLine();
+    ImGui::RadioButton(channels[c], &studio.channel, c);
+  }
+  studio.channel = std::clamp(studio.channel, 0, after.channels - 1);
+  const MapPixel pixel = studio.inspected;
+  const Profile edited = get_profile(after, studio.channel, pixel.x, pixel.y);
+  const ProfileProperties properties = measure_properties(edited);
+  ImGui::SameLine();
+  ImGui::Text("pixel %d, %d: albedo %.3f, range %.2f mm, mean radius %.2f mm", pixel.x, pixel.y,
+              properties.albedo, properties.range_mm, properties.mean_radius_mm);
+  const ImVec2 corner = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
+  Axes axes{{corner.x, corner.y}, {corner.x + room.x, corner.y + room.y}};
+  axes.max_r = std::max(1e-6, 1.05 * std::min(edited.support_mm, 1.5 * properties.range_mm));
+  axes.top = eval_log_profile(edited, 0) + 0.5;
+  ImGui::PushClipRect(axes.low, axes.high, true);
+  draw_grid(axes);
+  if (before.width == after.width && before.height == after.height)
+    draw_curve(axes, get_profile(before, studio.channel, pixel.x, pixel.y),
+               IM_COL32(150, 150, 155, 255), 1.5f);
+  if (studio.picked && static_cast<std::size_t>(studio.channel) < studio.picked->profiles.size())
+    draw_curve(axes, studio.picked->profiles[static_cast<std::size_t>(studio.channel)],
+               IM_COL32(90, 200, 255, 255), 1.5f);
+  const ImU32 ink[] = {IM_COL32(255, 110, 90, 255), IM_COL32(110, 230, 110, 255),
+                       IM_COL32(120, 150, 255, 255)};
+  for (const MeasuredPair& pair : studio.measured)
+    if (pair.value > 0)
+      ImGui::GetWindowDrawList()->AddCircleFilled(axes.place(pair.r_mm, std::log(pair.value)), 1.5f,
+                                                  IM_COL32(200, 200, 205, 110));
+  draw_curve(axes, edited, ink[std::min(studio.channel, 2)], 2.5f);
+  draw_handles(ui, axes, edited);
+  ImGui::PopClipRect();
+}
+
+}  // namespace parian

@@ -1,0 +1,123 @@
+// Sliders from descriptions of parameters, as the command line makes flags of them.
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/studio/ui.h"
+
+namespace parian {
+namespace {
+
+bool draw_number(const char* label, double& value, const Param& param) {
+  const bool is_bounded = std::isfinite(param.min) && std::isfinite(param.max);
+  if (is_bounded && param.max - param.min <= 1.0001)
+    return ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &param.min, &param.max, "%.3f");
+  // Wide ranges: relative steps, and Ctrl with a click to type.
+  const auto speed = static_cast<float>(0.01 * std::max(std::abs(value), 0.1));
+  const double low = param.above_min ? std::nextafter(param.min, param.max) : param.min;
+  return ImGui::DragScalar(label, ImGuiDataType_Double, &value, speed, &low, &param.max, "%.4g",
+                           ImGuiSliderFlags_AlwaysClamp);
+}
+
+bool draw_numbers(Ui& ui, const char* label, std::vector<double>& values, const Param& param) {
+  static constexpr const char* channels[] = {"r", "g", "b"};
+  bool changed = false;
+  bool each = values.size() > 1;
+  ImGui::PushID(label);
+  if (!each) {
+    double one = values.empty() ? 1 : values.front();
+    changed = draw_number(label, one, param);
+    if (changed) values = {one};
+    mark(ui.probe, fmt::format("param/{}", label));
+    ImGui::SameLine();
+    if (ImGui::SmallButton("rgb")) {
+      values = {one, one, one};
+      changed = true;
+    }
+    ImGui::PopID();
+    return changed;
+  }
+  ImGui::TextUnformatted(label);
+  for (std::size_t c = 0; c < values.size(); ++c)
+    changed |= draw_number(c < 3 ? channels[c] : "?", values[c], param);
+  ImGui::PopID();
+  return changed;
+}
+
+bool draw_param(Ui& ui, const std::string& label, const Param& param) {
+  const char* text = label.c_str();
+  if (auto* const* flag = std::get_if<bool*>(&param.target)) return ImGui::Checkbox(text, *flag);
+  if (auto* const* whole = std::get_if<int*>(&param.target))
+    return ImGui::DragInt(text, *whole, 0.2f, static_cast<int>(std::max(param.min, -1e9)),
+                          static_cast<int>(std::min(param.max, 1e9)), "%d",
+                          ImGuiSliderFlags_AlwaysClamp);
+  if (auto* const* seed = std::get_if<std::uint64_t*>(&param.target))
+    return ImGui::DragScalar(text, ImGuiDataType_U64, *seed, 0.2f);
+  if (auto* const* number = std::get_if<double*>(&param.target))
+    return draw_number(text, **number, param);
+  if (auto* const* words = std::get_if<std::string*>(&param.target))
+    return ImGui::InputText(text, *words);
+  if (auto* const* numbers = std::get_if<std::vector<double>*>(&param.target))
+    return draw_numbers(ui, text, **numbers, param);
+  const auto& choice = std::get<ChoiceTarget>(param.target);
+  int index = choice.get();
+  bool changed = false;
+  if (ImGui::BeginCombo(text, choice.names[static_cast<std::size_t>(index)].c_str())) {
+    for (int i = 0; i < static_cast<int>(choice.names.size()); ++i)
+      if (ImGui::Selectable(choice.names[static_cast<std::size_t>(i)].c_str(), i == index)) {
+        choice.set(i);
+        changed = true;
+      }
+    ImGui::EndCombo();
+  }
+  return changed;
+}
+
+// What the document says of one parameter; what cannot be read keeps its default.
+void take_over(const Document& document, const Param& param) {
+  const Document* node = find(document, json_key(param));
+  if (node == nullptr) return;
+  if (auto* const* numbers = std::get_if<std::vector<double>*>(&param.target);
+      numbers != nullptr && std::holds_alternative<double>(node->value)) {
+    **numbers = {std::get<double>(node->value)};
+    return;
+  }
+  Document one{Document::Object{}};
+  set(one, json_key(param), *node);
+  read_params(one, {param});
+}
+
+}  // namespace
+
+bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ended) {
+  bool changed = false;
+  for (const Param& param : params) {
+    take_over(document, param);
+    const std::string key = json_key(param);
+    // As one item, so that it is known when any part of it is let go.
+    ImGui::BeginGroup();
+    const bool is_changed = draw_param(ui, key, param);
+    ImGui::EndGroup();
+    if (is_changed) {
+      Document written = write_params({param});
+      Document value = get(written, key);
+      // One number for all channels is written as such.
+      if (auto* array = std::get_if<Document::Array>(&value.value);
+          array != nullptr && array->size() == 1)
+        value = Document(array->front());
+      set(document, key, std::move(value));
+      changed = true;
+    }
+    ended |= ImGui::IsItemDeactivatedAfterEdit();
+    if (!std::holds_alternative<std::vector<double>*>(param.target)) mark(ui.probe, "param/" + key);
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("%s%s%s", param.help.c_str(), param.unit.empty() ? "" : ", ",
+                        param.unit.c_str());
+  }
+  return changed;
+}
+
+}  // namespace parian

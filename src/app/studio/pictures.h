@@ -1,0 +1,64 @@
+// Pictures of the stage on a thread with a graphics context of its own: the newest request is
+// drawn, the window shows the newest picture and never waits. What did not change between requests
+// is kept.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/studio/stage.h"
+#include "edit/mask.h"
+#include "gl/splat_renderer.h"
+#include "material/material.h"
+
+namespace parian {
+
+enum class ViewMode { shaded, albedo, range, irradiance, difference, wireframe };
+const std::vector<std::string>& view_mode_names();
+
+struct PictureRequest {
+  std::shared_ptr<const Stage> stage;
+  std::shared_ptr<const Material> material;
+  std::shared_ptr<const Material> before;  // for ViewMode::difference; may be null
+  std::shared_ptr<const Mask> mask;        // shown in red; may be null
+  Lighting lighting;
+  Camera camera;  // with the size to be drawn
+  ViewMode mode = ViewMode::shaded;
+  double exposure = 0;  // stops
+  bool fine = true;     // more samples; given up for a newer request
+};
+
+struct Picture {
+  std::uint64_t id = 0;  // of the request
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;  // sRGB-encoded, row 0 on top
+  double seconds = 0;
+  SplatReport report;  // of the last splatted picture
+};
+
+// Linear radiance times 2^exposure, encoded for the screen.
+std::vector<std::uint8_t> encode_picture(const Image& image, double exposure);
+
+class PictureThread {
+ public:
+  PictureThread();
+  ~PictureThread();
+  PictureThread(const PictureThread&) = delete;
+  PictureThread& operator=(const PictureThread&) = delete;
+
+  std::uint64_t request(PictureRequest request);
+  std::shared_ptr<const Picture> latest() const;  // null before the first
+  bool is_busy() const;
+  std::optional<std::string> take_error();
+  // Until the newest request is drawn. For scripted runs and tests.
+  void wait();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace parian

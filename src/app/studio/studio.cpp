@@ -1,0 +1,305 @@
+#include "app/studio/studio.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/studio/flat_picture.h"
+#include "app/studio/studio_files.h"
+#include "base/error.h"
+#include "compress/choose.h"
+#include "compress/compress.h"
+#include "io/blend/blend_file.h"
+#include "render/render.h"
+#include "scene/environment.h"
+
+namespace parian {
+namespace {
+
+constexpr double rest_s = 0.25;          // without changes, until the picture gets all its pixels
+constexpr double refine_rest_s = 1.0;    // until the CPU renderer starts
+constexpr double autosave_rest_s = 0.5;  // between a change and its autosave
+
+Camera make_view_camera(const Studio& studio, double scale) {
+  const auto size = [&](int pixels) {
+    return std::max(16, static_cast<int>(static_cast<double>(pixels) * scale));
+  };
+  return make_camera(studio.orbit, size(studio.view_width), size(studio.view_height));
+}
+
+std::shared_ptr<const Mask> shown_mask(const Studio& studio) {
+  if (!studio.show_selection || studio.snapshot == nullptr || !studio.selected_layer ||
+      *studio.selected_layer >= studio.snapshot->layers.size())
+    return nullptr;
+  return studio.snapshot->layers[*studio.selected_layer].mask;
+}
+
+void request_picture(Studio& studio, bool fine) {
+  PictureRequest request{.stage = studio.stage,
+                         .material = studio.material,
+                         .before = studio.original,
+                         .mask = shown_mask(studio),
+                         .lighting = studio.lighting,
+                         .camera = make_view_camera(studio, fine ? 1 : studio.interactive_scale),
+                         .mode = studio.mode,
+                         .exposure = studio.exposure,
+                         .fine = fine};
+  studio.request_id = studio.pictures.request(std::move(request));
+  studio.request_is_fine = fine;
+  studio.is_stale = false;
+}
+
+// The exact picture, once nothing moves.
+void start_refining(Studio& studio) {
+  Scene scene = studio.stage->scene;
+  scene.material = *studio.material;
+  scene.layers.clear();
+  scene.lights = make_lights(studio.lighting);
+  scene.camera = make_view_camera(studio, 1);
+  scene.exposure = 0;
+  const std::uint64_t id = studio.request_id;
+  const double exposure = studio.exposure;
+  studio.jobs.start(
+      "refine",
+      [&studio, id, exposure, scene = std::move(scene)](const Progress& progress) -> Jobs::Finish {
+        RenderParams params;
+        params.antialias = 2;
+        const RenderResult result = render(scene, params, progress);
+        auto picture = std::make_shared<Picture>();
+        picture->id = id;
+        picture->width = result.image.width;
+        picture->height = result.image.height;
+        picture->rgba = encode_picture(result.image, exposure);
+        picture->seconds = result.report.total_s;
+        return [&studio, picture] { studio.refined = picture; };
+      });
+}
+
+void update_map(Studio& studio) {
+  if (studio.editor == nullptr) return;
+  studio.snapshot = studio.editor->snapshot();
+  if (std::optional<std::string> error = studio.editor->take_error())
+    report(studio, std::move(*error), true);
+  if (studio.snapshot->version == studio.seen_version) return;
+  studio.seen_version = studio.snapshot->version;
+  if (studio.selected_layer && *studio.selected_layer >= studio.snapshot->layers.size()) {
+    studio.selected_layer.reset();
+    if (!studio.snapshot->layers.empty())
+      studio.selected_layer = studio.snapshot->layers.size() - 1;
+  }
+  if (!studio.is_homogeneous) {
+    studio.material = std::make_shared<const Material>(*studio.snapshot->map);
+    studio.shown_compressed.reset();
+  }
+  studio.inspected.x = std::clamp(studio.inspected.x, 0, studio.snapshot->after.width - 1);
+  studio.inspected.y = std::clamp(studio.inspected.y, 0, studio.snapshot->after.height - 1);
+  studio.flat_is_stale = true;
+  touch_view(studio);
+}
+
+void update_view(Studio& studio) {
+  if (std::optional<std::string> error = studio.pictures.take_error())
+    report(studio, std::move(*error), true);
+  studio.picture = studio.pictures.latest();
+  const bool shows_newest = studio.picture != nullptr && studio.picture->id == studio.request_id;
+  if (shows_newest && studio.edit_started_s >= 0 && !studio.is_stale) {
+    studio.edit_shown_ms = 1e3 * (studio.now_s - studio.edit_started_s);
+    studio.edit_started_s = -1;
+  }
+  if (studio.stage == nullptr || studio.material == nullptr) return;
+  if (studio.is_stale) {
+    // One coarse picture at a time: the newest state is asked for when the last one is there.
+    if (!studio.pictures.is_busy() || studio.request_is_fine) request_picture(studio, false);
+    return;
+  }
+  const double rested = studio.now_s - studio.last_change_s;
+  if (!studio.request_is_fine && shows_newest && rested > rest_s) request_picture(studio, true);
+  const bool wants_refined = studio.refine && studio.mode == ViewMode::shaded &&
+                             shown_mask(studio) == nullptr && studio.request_is_fine &&
+                             shows_newest && rested > refine_rest_s;
+  const bool has_refined = studio.refined != nullptr && studio.refined->id == studio.request_id;
+  if (wants_refined && !has_refined && !studio.jobs.is_running("refine")) start_refining(studio);
+}
+
+void update_flat(Studio& studio) {
+  if (!studio.flat_is_stale || studio.snapshot == nullptr || studio.jobs.is_running("flat")) return;
+  studio.flat_is_stale = false;
+  const LayerSnapshot* layer =
+      studio.selected_layer && *studio.selected_layer < studio.snapshot->layers.size()
+          ? &studio.snapshot->layers[*studio.selected_layer]
+          : nullptr;
+  FlatRequest request{.state = studio.snapshot->after,
+                      .map = studio.snapshot->map,
+                      .mask = layer != nullptr ? layer->mask : nullptr,
+                      .mode = studio.flat_mode,
+                      .beam = studio.beam};
+  studio.jobs.start("flat", [&studio, request = std::move(request)](const Progress& progress) {
+    auto image = std::make_shared<const Image>(draw_flat(request, progress));
+    return [&studio, image] {
+      studio.flat_picture = image;
+      ++studio.flat_id;
+    };
+  });
+}
+
+// What the table says around the inspected pixel, for the plot.
+void update_measured(Studio& studio) {
+  const std::array<int, 3> wanted{studio.inspected.x, studio.inspected.y, studio.channel};
+  if (studio.measured_at == wanted || studio.jobs.is_running("measured")) return;
+  studio.measured_at = wanted;
+  studio.measured.clear();
+  if (studio.table == nullptr) return;
+  studio.jobs.start(
+      "measured",
+      [&studio, wanted, table = studio.table](const Progress& progress) -> Jobs::Finish {
+        auto pairs = std::make_shared<std::vector<MeasuredPair>>(
+            collect_pairs(*table, wanted[2], {wanted[0], wanted[1]}, progress));
+        return [&studio, pairs] { studio.measured = *pairs; };
+      });
+}
+
+void update_autosave(Studio& studio) {
+  if (studio.snapshot == nullptr || studio.snapshot->version == studio.autosaved_version) return;
+  if (studio.now_s - studio.last_change_s < autosave_rest_s || studio.editor->activity().busy)
+    return;
+  studio.autosaved_version = studio.snapshot->version;
+  try {
+    write_autosave(studio);
+  } catch (const Error& error) {
+    report(studio, error.what(), true);
+  }
+}
+
+void start_compression(Studio& studio, std::vector<int> counts) {
+  if (counts.empty()) return;
+  const int bases = counts.front();
+  counts.erase(counts.begin());
+  CompressParams params = studio.compression;
+  params.bases = bases;
+  params.weight_levels = default_weight_levels;
+  params.profile_step = default_profile_step;
+  studio.jobs.start(
+      "compress",
+      [&studio, params, counts,
+       map = studio.snapshot->map](const Progress& progress) -> Jobs::Finish {
+        const auto objective = make_blend_objective(*map, nullptr, params.objective, progress);
+        CompressState state = make_compress_state(*map, objective, params);
+        while (!state.done) {
+          advance_progress(progress, fmt::format("{} base materials", params.bases),
+                           progress_of(state));
+          advance(state);
+        }
+        const CompressErrors errors = estimate_errors(state);
+        auto blend = std::make_shared<const ProfileBlend>(make_blend(state));
+        const CompressedPoint point{.bases = params.bases,
+                                    .per_pixel = params.per_pixel,
+                                    .bytes = encode_blend(*blend, BlendEncoding::packed).size(),
+                                    .relative_error = errors.relative,
+                                    .albedo_error = errors.albedo,
+                                    .blend = blend};
+        return [&studio, point, counts] {
+          studio.compressed.push_back(point);
+          start_compression(studio, counts);
+        };
+      });
+}
+
+}  // namespace
+
+const std::vector<std::string>& tool_names() {
+  static const std::vector<std::string> names{"orbit", "light", "scribble +", "scribble -",
+                                              "brush", "pick",  "paint",      "stamp"};
+  return names;
+}
+
+const std::vector<std::string>& flat_mode_names() {
+  static const std::vector<std::string> names{"albedo",  "range", "mean radius", "selection",
+                                              "uniform", "disc",  "line",        "beam"};
+  return names;
+}
+
+void report(Studio& studio, std::string text, bool is_error) {
+  constexpr std::size_t most = 200;
+  studio.messages.push_back({std::move(text), is_error});
+  if (studio.messages.size() > most) studio.messages.pop_front();
+}
+
+void update(Studio& studio, double now_s) {
+  studio.now_s = now_s;
+  for (const std::string& error : studio.jobs.poll()) report(studio, error, true);
+  update_map(studio);
+  update_view(studio);
+  update_flat(studio);
+  update_measured(studio);
+  update_autosave(studio);
+}
+
+bool is_settled(const Studio& studio) {
+  if (!studio.jobs.views().empty() || studio.is_stale) return false;
+  if (studio.snapshot != nullptr && studio.flat_is_stale) return false;
+  if (studio.editor != nullptr && studio.editor->activity().busy) return false;
+  if (studio.stage == nullptr || studio.material == nullptr) return true;
+  const bool shows_newest = studio.picture != nullptr && studio.picture->id == studio.request_id;
+  if (!shows_newest || !studio.request_is_fine) return false;
+  const bool wants_refined =
+      studio.refine && studio.mode == ViewMode::shaded && shown_mask(studio) == nullptr;
+  return !wants_refined || (studio.refined != nullptr && studio.refined->id == studio.request_id);
+}
+
+void touch_view(Studio& studio) {
+  studio.is_stale = true;
+  studio.last_change_s = studio.now_s;
+  studio.jobs.cancel("refine");
+}
+
+void touch_map(Studio& studio) {
+  studio.last_change_s = studio.now_s;
+  if (studio.edit_started_s < 0) studio.edit_started_s = studio.now_s;
+  studio.jobs.cancel("refine");
+}
+
+void set_homogeneous(Studio& studio, const HomogeneousControls& controls) {
+  studio.is_homogeneous = true;
+  studio.homogeneous = controls;
+  Dipole dipole;
+  for (std::size_t c = 0; c < 3; ++c)
+    dipole.channels.push_back({controls.sigma_a[c], controls.sigma_s_prime[c]});
+  dipole.eta = controls.eta;
+  studio.material = std::make_shared<const Material>(std::move(dipole));
+  touch_map(studio);
+  touch_view(studio);
+}
+
+void leave_homogeneous(Studio& studio) {
+  if (!studio.is_homogeneous || studio.snapshot == nullptr) return;
+  studio.is_homogeneous = false;
+  studio.material = std::make_shared<const Material>(*studio.snapshot->map);
+  touch_view(studio);
+}
+
+void compress_map(Studio& studio) {
+  if (studio.snapshot == nullptr) return;
+  studio.compressed.clear();
+  show_compressed(studio, std::nullopt);
+  std::vector<int> counts;
+  const int most =
+      std::min<int>(studio.compression.bases, static_cast<int>(studio.snapshot->after.pixels()));
+  for (int bases = std::max(studio.compression.per_pixel, most / 8); bases < most; bases *= 2)
+    counts.push_back(bases);
+  counts.push_back(most);
+  start_compression(studio, std::move(counts));
+}
+
+void show_compressed(Studio& studio, std::optional<std::size_t> index) {
+  if (studio.shown_compressed == index || studio.is_homogeneous) return;
+  studio.shown_compressed = index;
+  studio.material = index ? std::make_shared<const Material>(*studio.compressed.at(*index).blend)
+                          : std::make_shared<const Material>(*studio.snapshot->map);
+  touch_view(studio);
+}
+
+void finish_studio(Studio& studio) {
+  remove_autosave(studio);
+}
+
+}  // namespace parian

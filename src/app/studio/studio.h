@@ -1,0 +1,173 @@
+// Everything the editor's window shows and changes, without a window: panels read this struct and
+// call the functions below, each frame starts with update(). All of it lives in the window's
+// thread; long work runs in Editor, PictureThread and Jobs.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/studio/editor.h"
+#include "app/studio/jobs.h"
+#include "app/studio/pictures.h"
+#include "app/studio/stage.h"
+#include "compress/compress_params.h"
+#include "material/bssrdf_table.h"
+#include "material/slices.h"
+
+namespace parian {
+
+enum class Tool { orbit, light, scribble_plus, scribble_minus, brush, eyedropper, paint, stamp };
+const std::vector<std::string>& tool_names();
+
+enum class FlatMode { albedo, range, mean_radius, selection, uniform, disc, line, beam };
+const std::vector<std::string>& flat_mode_names();
+
+struct MapPixel {
+  int x = 0, y = 0;
+};
+
+// A profile that the eyedropper took, of this map or of another one.
+struct PickedProfile {
+  std::string map;  // path; empty: the map being edited
+  MapPixel pixel;
+  std::vector<Profile> profiles;  // one a channel
+};
+
+// What the sliders of a homogeneous material show: per channel, in 1/mm.
+struct HomogeneousControls {
+  std::array<double, 3> sigma_a{0.004, 0.008, 0.03};
+  std::array<double, 3> sigma_s_prime{1.2, 1.3, 1.5};
+  double eta = 1.3;
+};
+
+// A blend that was made of the map, for the rate-distortion list.
+struct CompressedPoint {
+  int bases = 0, per_pixel = 2;
+  std::size_t bytes = 0;
+  double relative_error = 0, albedo_error = 0;
+  std::shared_ptr<const ProfileBlend> blend;
+};
+
+// R_d between the inspected pixel and another one, as it was measured.
+struct MeasuredPair {
+  double r_mm = 0, value = 0;
+};
+
+struct Message {
+  std::string text;
+  bool is_error = false;
+};
+
+struct StudioPaths {
+  std::string state_folder;  // recent files, autosave; empty: nothing is kept
+  std::string data_folder;   // bundled samples
+};
+
+struct Studio {
+  StudioPaths paths;
+  Jobs jobs;
+  PictureThread pictures;
+
+  // Material: a map with its recipe, or a homogeneous one.
+  std::unique_ptr<Editor> editor;
+  std::shared_ptr<const EditorSnapshot> snapshot;
+  std::shared_ptr<const Material> material;  // what the stage shows
+  std::shared_ptr<const Material> original;  // before all edits
+  std::shared_ptr<const SliceSource> table;  // what the map was fitted to, if known
+  std::string material_path, recipe_path;
+  bool is_homogeneous = false;
+  HomogeneousControls homogeneous;
+  std::optional<std::size_t> selected_layer;
+  std::uint64_t seen_version = 0, saved_version = 0, autosaved_version = 0;
+
+  // Stage.
+  std::shared_ptr<const Stage> stage;
+  std::string mesh_path;
+  Orbit orbit;
+  Lighting lighting;
+  double exposure = 0;
+  ViewMode mode = ViewMode::shaded;
+  bool show_selection = false;
+  int view_width = 640, view_height = 480;  // of the 3-D view, in pixels
+  double interactive_scale = 0.5;
+  bool refine = true;
+
+  // What was asked for last, and what is shown.
+  std::uint64_t request_id = 0;
+  bool request_is_fine = false;
+  double last_change_s = 0;  // when something was changed last
+  bool is_stale = true;      // something changed since the last request
+  std::shared_ptr<const Picture> picture;
+  std::shared_ptr<const Picture> refined;         // by the CPU renderer, of the same request
+  double edit_started_s = -1, edit_shown_ms = 0;  // from an edit to its picture
+
+  // Flat view.
+  FlatMode flat_mode = FlatMode::albedo;
+  std::shared_ptr<const Image> flat_picture;  // linear, of the map's size
+  std::uint64_t flat_id = 0;                  // grows with each picture
+  bool flat_is_stale = true;
+  MapPixel beam;
+
+  // Tools.
+  Tool tool = Tool::orbit;
+  double brush_radius_mm = 1;
+  std::optional<PickedProfile> picked;
+  MapPixel inspected;  // whose profile is plotted
+  int channel = 1;
+  std::vector<MeasuredPair> measured;                 // of the table, around the inspected pixel
+  std::array<int, 3> measured_at{-1, -1, -1};         // x, y, channel that they are of
+  std::vector<std::array<double, 2>> stroke;          // mm, while it is drawn
+  std::optional<std::array<double, 4>> stamp_source;  // mm: min x, min y, max x, max y
+
+  // Compression.
+  CompressParams compression;
+  std::vector<CompressedPoint> compressed;
+  std::optional<std::size_t> shown_compressed;
+
+  std::deque<Message> messages;
+  std::vector<std::string> recent;
+  std::optional<std::string> recoverable;  // path of an autosaved recipe
+  std::uint64_t drags = 0;  // finished ones: a drag of a slider is one entry of the history
+  double now_s = 0;
+};
+
+// Starts with the bundled sample on a mesh; fills `recoverable` when the last run ended badly.
+void start_studio(Studio& studio, const StudioPaths& paths);
+
+// Takes in what finished, asks for pictures of what changed. Once a frame.
+void update(Studio& studio, double now_s);
+// Nothing is under way, and what is shown is of the present state. `refined` as well where asked.
+bool is_settled(const Studio& studio);
+
+void report(Studio& studio, std::string text, bool is_error = false);
+
+// Files, by what they are: tables (fitted first), maps, blends, meshes, recipes, scenes,
+// environments. In the background; what is wrong becomes a message.
+void open_file(Studio& studio, const std::string& path);
+void save_recipe(Studio& studio, const std::string& path);
+void save_map(Studio& studio, const std::string& path);
+void save_picture(Studio& studio, const std::string& path);
+void save_compressed(Studio& studio, std::size_t index, const std::string& path);
+void recover(Studio& studio);
+
+// Marks the 3-D view, or all pictures of the map, as old.
+void touch_view(Studio& studio);
+void touch_map(Studio& studio);
+
+void set_homogeneous(Studio& studio, const HomogeneousControls& controls);
+// Back to the map.
+void leave_homogeneous(Studio& studio);
+
+// A run of compressions from few to many bases, in the background.
+void compress_map(Studio& studio);
+void show_compressed(Studio& studio, std::optional<std::size_t> index);
+
+// For autosave when the program ends as it should.
+void finish_studio(Studio& studio);
+
+}  // namespace parian

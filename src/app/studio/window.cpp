@@ -1,0 +1,229 @@
+#include "app/studio/window.h"
+
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <epoxy/gl.h>
+#include <fmt/format.h>
+#include <imgui.h>
+// After epoxy, which declares OpenGL.
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <utility>
+
+#include "base/error.h"
+
+namespace parian {
+namespace {
+
+std::string last_glfw_error() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text != nullptr ? text : "no reason given";
+}
+
+struct Version {
+  int client, major, minor;
+  const char* shaders;
+};
+// The editor's own drawing is content with either.
+constexpr std::array<Version, 2> versions{
+    Version{GLFW_OPENGL_API, 3, 3, "#version 330 core"},
+    Version{GLFW_OPENGL_ES_API, 3, 0, "#version 300 es"},
+};
+
+void set_style(float scale) {
+  ImGui::StyleColorsDark();
+  ImGuiStyle& style = ImGui::GetStyle();
+  style.WindowRounding = 0;
+  style.FrameRounding = 3;
+  style.GrabRounding = 3;
+  style.WindowBorderSize = 0;
+  style.Colors[ImGuiCol_WindowBg] = ImVec4(0.11f, 0.11f, 0.12f, 1);
+  style.ScaleAllSizes(scale);
+  // Sharp at any size where there is such a font; the built-in one otherwise.
+  const char* font = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+  std::error_code ignored;
+  ImGuiIO& io = ImGui::GetIO();
+  if (std::filesystem::exists(font, ignored))
+    io.Fonts->AddFontFromFileTTF(font, 14 * scale);
+  else
+    io.FontGlobalScale = scale;
+}
+
+// What is printed on the key, where that is a letter or digit.
+int printed_key(int key, int scancode) {
+  const char* name = glfwGetKeyName(key, scancode);
+  if (name == nullptr || name[0] == 0 || name[1] != 0) return key;
+  return std::toupper(static_cast<unsigned char>(name[0]));
+}
+
+}  // namespace
+
+struct Window::Impl {
+  WindowParams params;
+  GLFWwindow* window = nullptr;
+  double scale = 1;
+  std::vector<KeyPress> keys;
+  // ImGui looks at which keys are down once a frame: releases wait for the next one, so that short
+  // presses are seen.
+  struct Release {
+    int key, scancode, mods;
+  };
+  std::vector<Release> releases;
+};
+
+Window::Window(const WindowParams& params) : impl_(std::make_unique<Impl>()) {
+  impl_->params = params;
+  if (glfwInit() == 0)
+    throw Error(
+        {{}, "display", "a display for windows (DISPLAY or WAYLAND_DISPLAY)", last_glfw_error()},
+        ErrorKind::resource);
+  const char* shaders = nullptr;
+  for (const Version& version : versions) {
+    glfwDefaultWindowHints();
+    glfwWindowHint(GLFW_CLIENT_API, version.client);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, version.major);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, version.minor);
+    if (version.client == GLFW_OPENGL_API)
+      glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+    impl_->window =
+        glfwCreateWindow(params.width, params.height, params.title.c_str(), nullptr, nullptr);
+    shaders = version.shaders;
+    if (impl_->window != nullptr) break;
+  }
+  if (impl_->window == nullptr) {
+    const std::string reason = last_glfw_error();
+    glfwTerminate();
+    throw Error({{}, "display", "OpenGL 3.3 or OpenGL ES 3.0", reason}, ErrorKind::resource);
+  }
+  glfwMakeContextCurrent(impl_->window);
+  glfwSwapInterval(1);
+  glfwSetWindowUserPointer(impl_->window, impl_.get());
+  glfwSetDropCallback(impl_->window, [](GLFWwindow* window, int count, const char** paths) {
+    const auto* impl = static_cast<Impl*>(glfwGetWindowUserPointer(window));
+    for (int i = 0; i < count; ++i)
+      if (impl->params.on_drop) impl->params.on_drop(paths[i]);
+  });
+  float x = 1, y = 1;
+  glfwGetWindowContentScale(impl_->window, &x, &y);
+  impl_->scale = static_cast<double>(std::clamp(x, 0.5f, 4.0f));
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;
+  ImGui::GetIO().ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+  set_style(static_cast<float>(impl_->scale));
+  ImGui_ImplGlfw_InitForOpenGL(impl_->window, true);
+  ImGui_ImplOpenGL3_Init(shaders);
+  glfwSetKeyCallback(
+      impl_->window, [](GLFWwindow* window, int key, int scancode, int action, int mods) {
+        auto* impl = static_cast<Impl*>(glfwGetWindowUserPointer(window));
+        if (action == GLFW_RELEASE) return impl->releases.push_back({key, scancode, mods});
+        ImGui_ImplGlfw_KeyCallback(window, key, scancode, action, mods);
+        if (action == GLFW_PRESS)
+          impl->keys.push_back({printed_key(key, scancode), (mods & GLFW_MOD_CONTROL) != 0,
+                                (mods & GLFW_MOD_SHIFT) != 0});
+      });
+}
+
+Window::~Window() {
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+  glfwDestroyWindow(impl_->window);
+  glfwTerminate();
+}
+
+void Window::begin_frame(double timeout_s) {
+  for (const Impl::Release& release : std::exchange(impl_->releases, {}))
+    ImGui_ImplGlfw_KeyCallback(impl_->window, release.key, release.scancode, GLFW_RELEASE,
+                               release.mods);
+  if (timeout_s > 0)
+    glfwWaitEventsTimeout(timeout_s);
+  else
+    glfwPollEvents();
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+}
+
+void Window::draw_frame() {
+  ImGui::Render();
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(impl_->window, &width, &height);
+  glViewport(0, 0, width, height);
+  glClearColor(0, 0, 0, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+void Window::show_frame() {
+  glfwSwapBuffers(impl_->window);
+}
+
+std::vector<KeyPress> Window::take_keys() {
+  return std::exchange(impl_->keys, {});
+}
+
+bool Window::wants_close() const {
+  return glfwWindowShouldClose(impl_->window) != 0;
+}
+
+void Window::keep_open() {
+  glfwSetWindowShouldClose(impl_->window, GLFW_FALSE);
+}
+
+void Window::set_title(const std::string& title) {
+  if (title == impl_->params.title) return;
+  impl_->params.title = title;
+  glfwSetWindowTitle(impl_->window, title.c_str());
+}
+
+double Window::scale() const {
+  return impl_->scale;
+}
+
+std::vector<std::uint8_t> Window::read_frame(int& width, int& height) const {
+  glfwGetFramebufferSize(impl_->window, &width, &height);
+  const std::size_t row = 4 * static_cast<std::size_t>(width);
+  std::vector<std::uint8_t> upside_down(row * static_cast<std::size_t>(height)),
+      rgba(upside_down.size());
+  glReadBuffer(GL_BACK);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, upside_down.data());
+  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
+    std::copy_n(upside_down.data() + (static_cast<std::size_t>(height) - 1 - y) * row, row,
+                rgba.data() + y * row);
+  return rgba;
+}
+
+ScreenTexture::~ScreenTexture() {
+  if (name_ != 0) glDeleteTextures(1, &name_);
+}
+
+void ScreenTexture::upload(const std::vector<std::uint8_t>& rgba, int width, int height,
+                           bool smooth) {
+  if (name_ == 0) glGenTextures(1, &name_);
+  width_ = width;
+  height_ = height;
+  glBindTexture(GL_TEXTURE_2D, name_);
+  const GLint filter = smooth ? GL_LINEAR : GL_NEAREST;
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+               rgba.data());
+}
+
+void* ScreenTexture::id() const {
+  return reinterpret_cast<void*>(static_cast<std::uintptr_t>(name_));
+}
+
+}  // namespace parian

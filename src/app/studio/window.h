@@ -1,0 +1,69 @@
+// A window with an OpenGL context and Dear ImGui in it, and pictures for it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace parian {
+
+// A key that went down: capital letters and digits as they are printed on it, else GLFW's code.
+struct KeyPress {
+  int key = 0;
+  bool control = false, shift = false;
+};
+
+struct WindowParams {
+  int width = 1440, height = 900;
+  std::string title;
+  std::function<void(const std::string& path)> on_drop;  // files dropped on the window
+};
+
+class Window {
+ public:
+  // Throws Error(resource) naming what is missing: a display, OpenGL.
+  explicit Window(const WindowParams& params);
+  ~Window();
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  // Events, then a new frame of ImGui. Waits up to `timeout_s` where nothing happens.
+  void begin_frame(double timeout_s);
+  void draw_frame();
+  void show_frame();
+  // Since the last frame, in order: none is lost, however short.
+  std::vector<KeyPress> take_keys();
+  bool wants_close() const;
+  void keep_open();  // takes back what wants_close says
+  void set_title(const std::string& title);
+  double scale() const;  // of the display: 1 for about 96 dpi
+  // Of the frame that is drawn and not yet shown, RGBA, row 0 on top.
+  std::vector<std::uint8_t> read_frame(int& width, int& height) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// Pixels on the graphics device that ImGui shows. Needs the window.
+class ScreenTexture {
+ public:
+  ScreenTexture() = default;
+  ~ScreenTexture();
+  ScreenTexture(const ScreenTexture&) = delete;
+  ScreenTexture& operator=(const ScreenTexture&) = delete;
+
+  // `smooth`: linear between pixels.
+  void upload(const std::vector<std::uint8_t>& rgba, int width, int height, bool smooth);
+  void* id() const;  // an ImTextureID
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+ private:
+  unsigned name_ = 0;
+  int width_ = 0, height_ = 0;
+};
+
+}  // namespace parian

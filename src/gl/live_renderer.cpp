@@ -1,0 +1,199 @@
+#include "gl/live_renderer.h"
+
+#include "base/check.h"
+#include "base/stopwatch.h"
+#include "gl/shading.h"
+#include "gl/transport_textures.h"
+
+namespace parian {
+
+ParamList describe(LiveParams& params) {
+  return {{.name = "antialias",
+           .help = "n x n pixels drawn per pixel",
+           .target = &params.antialias,
+           .min = 1,
+           .max = 8,
+           .symbol = "n"},
+          {.name = "shadow-size",
+           .help = "texels of a shadow map's side",
+           .target = &params.shadow_size,
+           .min = 64,
+           .max = 16'384},
+          {.name = "reflection-rays",
+           .help = "per pixel drawn and environment light",
+           .target = &params.reflection_rays,
+           .min = 1,
+           .max = 1024}};
+}
+
+struct LiveRenderer::Impl {
+  Scene scene;  // its lights, exposure, background and specular
+  LiveParams params;
+  LiveReport report;
+  TransportProjection projection;
+  double eta = 1.3;
+  bool has_single = false;
+
+  MeshBuffers mesh;
+  Program geometry_program;
+  ShadingPrograms shading_programs;
+  TransportTextures transport;
+  TransportPrograms transport_programs;
+  LightObjects lights;
+  SplatCamera camera;
+  PictureTargets targets;
+
+  TransportCoefficients coefficients;
+  std::vector<Rgb> light_scale;
+  bool vertices_are_old = true, view_is_old = true;
+
+  explicit Impl(const HomogeneousTransport& made) : projection(made), eta(made.eta) {}
+  void make_lights() {
+    lights = make_light_objects(scene.lights, scene, mesh, params.shadow_size, false);
+  }
+  void draw_view();
+  void draw_exitance();
+  std::vector<float> coverage;
+};
+
+void LiveRenderer::Impl::draw_view() {
+  const int width = camera.frame.width, height = camera.frame.height;
+  const Texture& old = targets.geometry.positions;
+  if (old.width != width || old.height != height) targets = make_picture_targets(width, height);
+  draw_geometry(targets.geometry, geometry_program, mesh, camera, scene.mapping, {1, 1, 1});
+}
+
+void LiveRenderer::Impl::draw_exitance() {
+  const Program& program = transport_programs.surface;
+  bind(targets.exitance_target);
+  set_additive_blending(false);
+  clear_color(0);
+  clear_depth(1);  // the same again
+  use(program);
+  parian::set_camera(program, camera);
+  bind_texture(program, "place_exitance", 0, transport.exitance);
+  draw_mesh(mesh);
+  check_gl("picture");
+}
+
+LiveRenderer::LiveRenderer(const GlLimits& limits, const Scene& scene,
+                           const HomogeneousTransport& transport, const LiveParams& params)
+    : impl_(std::make_unique<Impl>(transport)) {
+  Stopwatch watch;
+  LiveParams checked = params;
+  check(describe(checked));
+  PARIAN_CHECK_EQ(transport.places, scene.mesh.positions.size());
+  PARIAN_CHECK_EQ(transport.lights.size(), scene.lights.size());
+  Impl& impl = *impl_;
+  impl.params = params;
+  impl.scene.lights = scene.lights;
+  impl.scene.exposure = scene.exposure;
+  impl.scene.background = scene.background;
+  impl.scene.show_environment = scene.show_environment;
+  impl.scene.specular = scene.specular;
+  impl.mesh = make_mesh_buffers(scene.mesh);
+  impl.geometry_program = make_geometry_program();
+  impl.shading_programs = make_shading_programs();
+  impl.transport =
+      make_transport_textures(scene.mesh.positions, scene.mesh.normals, transport,
+                              limits.float_blend ? TexelFormat::rgba32f : TexelFormat::rgba16f);
+  impl.transport_programs = make_transport_programs(impl.transport);
+  for (const LightTransport& light : transport.lights)
+    impl.has_single = impl.has_single || light.single.functions > 0;
+  impl.light_scale.assign(scene.lights.size(), Rgb{1, 1, 1});
+  impl.make_lights();
+  impl.report.vertices = transport.places;
+  impl.report.triangles = scene.mesh.triangles.size();
+  impl.report.texture_bytes = impl.transport.bytes();
+  impl.report.device = limits.renderer;
+  if (!limits.float_blend)
+    impl.report.warnings.emplace_back("the graphics driver sums in 16 bits only");
+  set_camera(scene.camera);
+  finish_gl();
+  impl.report.loading_s = watch.lap();
+  if (const auto* material = std::get_if<Material>(&scene.material))
+    if (const auto* dipole = std::get_if<Dipole>(material)) set_material(*dipole);
+}
+
+LiveRenderer::~LiveRenderer() = default;
+LiveRenderer::LiveRenderer(LiveRenderer&&) noexcept = default;
+LiveRenderer& LiveRenderer::operator=(LiveRenderer&&) noexcept = default;
+
+void LiveRenderer::set_material(const Dipole& material) {
+  PARIAN_CHECK_EQ(material.eta, impl_->eta);
+  Stopwatch watch;
+  set_coefficients(impl_->projection.fit(material));
+  impl_->report.project_s = watch.lap();
+}
+
+void LiveRenderer::set_coefficients(const TransportCoefficients& coefficients) {
+  impl_->coefficients = coefficients;
+  impl_->vertices_are_old = true;
+}
+
+void LiveRenderer::set_light_scale(const std::vector<Rgb>& scale) {
+  PARIAN_CHECK_EQ(scale.size(), impl_->light_scale.size());
+  impl_->light_scale = scale;
+  impl_->vertices_are_old = true;
+}
+
+void LiveRenderer::set_light(std::size_t index, const Light& light,
+                             const LightTransport& transport) {
+  Impl& impl = *impl_;
+  PARIAN_CHECK(index < impl.scene.lights.size());
+  impl.scene.lights[index] = light;
+  impl.make_lights();
+  update_light(impl.transport, index, transport);
+  impl.vertices_are_old = true;
+}
+
+void LiveRenderer::set_camera(const Camera& camera) {
+  Impl& impl = *impl_;
+  impl.camera = make_splat_camera(camera, impl.params.antialias, impl.mesh.box);
+  impl.view_is_old = true;
+  impl.vertices_are_old = impl.vertices_are_old || impl.has_single;
+}
+
+void LiveRenderer::draw(bool timed) {
+  Impl& impl = *impl_;
+  PARIAN_CHECK(!impl.coefficients.multiple.empty());
+  Stopwatch watch;
+  const auto lap = [&] {
+    if (timed) finish_gl();
+    return watch.lap();
+  };
+  if (impl.vertices_are_old)
+    eval_transport(impl.transport, impl.transport_programs, impl.coefficients, impl.light_scale,
+                   impl.camera.frame.position, impl.eta);
+  impl.report.update_s = lap();
+  if (impl.view_is_old) impl.draw_view();
+  if (impl.view_is_old || impl.vertices_are_old) impl.draw_exitance();
+  impl.view_is_old = impl.vertices_are_old = false;
+  impl.report.view_s = lap();
+  shade(impl.targets, impl.shading_programs,
+        {impl.scene, impl.camera, impl.lights, Boundary::excluded, impl.eta,
+         impl.params.reflection_rays});
+  impl.report.shade_s = lap();
+}
+
+Image LiveRenderer::read() {
+  Stopwatch watch;
+  Image image =
+      read_picture(impl_->targets.radiance_target, impl_->params.antialias, impl_->coverage);
+  impl_->report.read_s = watch.lap();
+  return image;
+}
+
+const std::vector<float>& LiveRenderer::coverage() const {
+  return impl_->coverage;
+}
+
+std::vector<Rgb> LiveRenderer::read_vertices() const {
+  return read_radiance(impl_->transport);
+}
+
+const LiveReport& LiveRenderer::report() const {
+  return impl_->report;
+}
+
+}  // namespace parian

@@ -1,0 +1,163 @@
+// Homogeneous materials from precomputed transport on the graphics device, against the same on the
+// CPU.
+#include "gl/live_renderer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesh/shapes.h"
+#include "render/transport_renderer.h"
+#include "scene/camera.h"
+#include "scene/environment.h"
+#include "tests/splat/compare_pictures.h"
+#include "transport/precompute.h"
+
+namespace parian {
+namespace {
+
+Dipole make_material(double scale = 1, bool has_single = true) {
+  Dipole material;
+  material.channels = {{0.01, 1.0 * scale, 0.2}, {0.02, 2.0 * scale, -0.2}, {0.1, 0.5, 0}};
+  material.eta = 1.4;
+  material.single_scattering = has_single;
+  return material;
+}
+
+Scene make_scene(bool has_single = true) {
+  Scene scene;
+  scene.mesh = make_knot(2);
+  clean_mesh(scene.mesh, "test mesh");
+  fit_to_size(scene.mesh, 30);
+  scene.mesh_name = "test mesh";
+  scene.material = Material(make_material(1, has_single));
+  EnvironmentLight sky;
+  sky.image = make_sky_image(32, 16);
+  scene.lights = {sky, DirectionalLight{normalize(Vec3{1, 2, 1}), {1, 0.8f, 0.6f}}};
+  scene.specular.enabled = false;
+  scene.camera.width = 160;
+  scene.camera.height = 120;
+  scene.camera.target = center(bounds(scene.mesh));
+  frame_box(scene.camera, bounds(scene.mesh));
+  return scene;
+}
+
+HomogeneousTransport make_transport(const Scene& scene) {
+  PrecomputeParams params;
+  params.samples = 4000;
+  params.rays = 32;
+  params.single_params.directions = 16;
+  params.single_params.path_samples = 16;
+  params.single_params.resolution = 256;
+  return precompute_transport(scene, params);
+}
+
+LiveParams quick_params() {
+  LiveParams params;
+  params.antialias = 1;
+  return params;
+}
+
+// The largest difference over the largest radiance.
+double compare_vertices(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
+  EXPECT_EQ(a.size(), b.size());
+  double worst = 0, most = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    worst = std::max(worst, static_cast<double>(length(a[i] - b[i])));
+    most = std::max(most, static_cast<double>(length(b[i])));
+  }
+  EXPECT_GT(most, 0);
+  return worst / most;
+}
+
+std::vector<Rgb> eval_on_cpu(const Scene& scene, const HomogeneousTransport& transport,
+                             const Dipole& material, const std::vector<Rgb>& scale) {
+  const TransportView view =
+      make_transport_view(scene.mesh.positions, scene.mesh.normals, scene.camera.position,
+                          transport.eta, /*has_fresnel=*/false);
+  std::vector<Rgb> radiance;
+  eval_transport(transport, TransportProjection(transport).fit(material), scale, view, radiance);
+  return radiance;
+}
+
+// Both read the same halves and sum them in 32 bits. Coefficients of both signs cancel, so that
+// rounding is a share of their sum and not of the radiance.
+constexpr double rounding = 2e-4;
+
+TEST(Live, VerticesAreThoseOfTheCpu) {
+  for (const bool has_single : {false, true}) {
+    Scene scene = make_scene(has_single);
+    const HomogeneousTransport transport = make_transport(scene);
+    const OffscreenContext context;
+    LiveRenderer renderer(context.limits(), scene, transport, quick_params());
+    const std::vector<Rgb> scale{{0.5f, 1, 2}, {3, 1, 0}};
+    renderer.set_light_scale(scale);
+    for (const double factor : {1.0, 0.3, 4.0}) {
+      const Dipole material = make_material(factor, has_single);
+      renderer.set_material(material);
+      renderer.draw();
+      EXPECT_LE(compare_vertices(renderer.read_vertices(),
+                                 eval_on_cpu(scene, transport, material, scale)),
+                rounding)
+          << factor;
+    }
+    scene.camera.position = scene.camera.target + Vec3{0, 60, 30};
+    renderer.set_camera(scene.camera);
+    renderer.draw();
+    EXPECT_LE(compare_vertices(renderer.read_vertices(),
+                               eval_on_cpu(scene, transport, make_material(4, has_single), scale)),
+              rounding);
+  }
+}
+
+TEST(Live, PicturesAreThoseOfTheCpu) {
+  const Scene scene = make_scene();
+  const HomogeneousTransport transport = make_transport(scene);
+  RenderParams params;
+  params.antialias = 1;
+  const TransportRenderer reference(scene, transport, params);
+  const OffscreenContext context;
+  LiveRenderer renderer(context.limits(), scene, transport, quick_params());
+  for (const double factor : {1.0, 0.3}) {
+    renderer.set_material(make_material(factor));
+    renderer.draw();
+    const Image image = renderer.read();
+    const Image expected = reference.render(make_material(factor)).image;
+    const PictureErrors errors = compare_pictures(expected, image, renderer.coverage());
+    EXPECT_GT(errors.pixels, 2000u);
+    EXPECT_LE(errors.mean, 0.02);
+    EXPECT_LE(errors.p99, 0.08);
+    RecordProperty("mean", std::to_string(errors.mean));
+    RecordProperty("p99", std::to_string(errors.p99));
+    if (HasFailure()) ADD_FAILURE() << dump_pictures("parian-live", expected, image);
+  }
+}
+
+TEST(Live, ChangesLeaveNothingBehind) {
+  Scene scene = make_scene();
+  scene.specular.enabled = true;
+  const HomogeneousTransport transport = make_transport(scene);
+  const OffscreenContext context;
+  LiveRenderer renderer(context.limits(), scene, transport, quick_params());
+  renderer.draw();
+  const Image first = renderer.read();
+  Camera other = scene.camera;
+  other.width = 80;
+  other.height = 90;
+  other.position = scene.camera.target + Vec3{0, 60, 30};
+  renderer.set_camera(other);
+  renderer.set_material(make_material(3));
+  renderer.set_light_scale({{2, 2, 2}, {0, 0, 0}});
+  renderer.draw();
+  EXPECT_NE(renderer.read().values, first.values);
+  renderer.set_camera(scene.camera);
+  renderer.set_material(make_material());
+  renderer.set_light_scale({{1, 1, 1}, {1, 1, 1}});
+  renderer.set_light(1, scene.lights[1], transport.lights[1]);
+  renderer.draw();
+  EXPECT_EQ(renderer.read().values, first.values);
+}
+
+}  // namespace
+}  // namespace parian
