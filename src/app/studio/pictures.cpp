@@ -16,12 +16,10 @@ namespace parian {
 namespace {
 
 constexpr double difference_gain = 4;  // of the difference mode
-// Where light enters: while something moves, and at rest.
-constexpr int coarse_samples = 4000, fine_samples = 16000;
+constexpr int fine_samples = 16000;    // where light enters, at rest
 
 // Splatting of one stage; remade for another one.
 struct Splatter {
-  int samples = 0;
   std::shared_ptr<const Stage> stage;
   std::shared_ptr<const Material> material;
   Lighting lighting;
@@ -32,15 +30,13 @@ struct Splatter {
 Image splat(Splatter& splatter, const GlLimits& limits, const PictureRequest& request,
             const std::shared_ptr<const Material>& material, const Progress& progress) {
   if (splatter.renderer == nullptr || splatter.stage != request.stage) {
-    SplatParams params;
-    params.samples = splatter.samples;
-    params.antialias = 1;
-    if (!request.fine) {  // less than half of the splats' area
+    SplatParams params = make_interactive_params();
+    if (request.fine) {
+      params.samples = fine_samples;
+    } else {  // less than half of the splats' area
       params.octave = 3.5;
       params.texel = 1;
     }
-    params.rays = 32;
-    params.reflection_rays = 4;
     Scene scene = request.stage->scene;
     scene.material = *material;
     scene.layers.clear();
@@ -153,7 +149,7 @@ struct PictureThread::Impl {
 
 void PictureThread::Impl::run() {
   std::unique_ptr<OffscreenContext> context;
-  Splatter coarse{.samples = coarse_samples}, fine{.samples = fine_samples};
+  Splatter coarse, fine;
   std::unique_lock lock(mutex);
   while (true) {
     wake.wait(lock, [this] { return stops || next.has_value(); });
@@ -188,8 +184,8 @@ void PictureThread::Impl::run() {
       picture.reset();
     }
     if (message) {
-      coarse = {.samples = coarse_samples};
-      fine = {.samples = fine_samples};
+      coarse = {};
+      fine = {};
     }
     lock.lock();
     works = false;
