@@ -32,7 +32,7 @@ class Usage(program.ProgramTest):
 
     def test_unknown_names_get_the_nearest(self):
         self.fail_with(2, "expected a command: 'simulate', 'capture', 'import', 'fit', 'compress', 'edit', 'reconstruct', "
-                       "'compare', 'relight', 'precompute', 'render', 'info' or 'demo', found 'rlight' (did you mean 'relight'?)",
+                       "'compare', 'relight', 'precompute', 'render', 'info', 'studio' or 'demo', found 'rlight' (did you mean 'relight'?)",
                        "rlight", "x")
         self.fail_with(2, "expected a flag of 'parian fit', found '--segmants' "
                        "(did you mean '--segments'?)", "fit", "t.h5", "-o", "m.h5", "--segmants", "3")
