@@ -47,6 +47,19 @@ bool draw_numbers(Ui& ui, const char* label, std::vector<double>& values, const 
   return changed;
 }
 
+bool draw_choice_param(const char* text, const ChoiceTarget& choice) {
+  const int index = choice.get();
+  bool changed = false;
+  if (!ImGui::BeginCombo(text, choice.names[static_cast<std::size_t>(index)].c_str())) return false;
+  for (int i = 0; i < static_cast<int>(choice.names.size()); ++i)
+    if (ImGui::Selectable(choice.names[static_cast<std::size_t>(i)].c_str(), i == index)) {
+      choice.set(i);
+      changed = true;
+    }
+  ImGui::EndCombo();
+  return changed;
+}
+
 bool draw_param(Ui& ui, const std::string& label, const Param& param) {
   const char* text = label.c_str();
   if (auto* const* flag = std::get_if<bool*>(&param.target)) return ImGui::Checkbox(text, *flag);
@@ -62,18 +75,7 @@ bool draw_param(Ui& ui, const std::string& label, const Param& param) {
     return ImGui::InputText(text, *words);
   if (auto* const* numbers = std::get_if<std::vector<double>*>(&param.target))
     return draw_numbers(ui, text, **numbers, param);
-  const auto& choice = std::get<ChoiceTarget>(param.target);
-  int index = choice.get();
-  bool changed = false;
-  if (ImGui::BeginCombo(text, choice.names[static_cast<std::size_t>(index)].c_str())) {
-    for (int i = 0; i < static_cast<int>(choice.names.size()); ++i)
-      if (ImGui::Selectable(choice.names[static_cast<std::size_t>(i)].c_str(), i == index)) {
-        choice.set(i);
-        changed = true;
-      }
-    ImGui::EndCombo();
-  }
-  return changed;
+  return draw_choice_param(text, std::get<ChoiceTarget>(param.target));
 }
 
 // What the document says of one parameter; what cannot be read keeps its default.
@@ -90,6 +92,15 @@ void take_over(const Document& document, const Param& param) {
   read_params(one, {param});
 }
 
+void take_value(Document& document, const Param& param, const std::string& key) {
+  Document value = get(write_params({param}), key);
+  // One number for all channels is written as such.
+  if (auto* array = std::get_if<Document::Array>(&value.value);
+      array != nullptr && array->size() == 1)
+    value = Document(array->front());
+  set(document, key, std::move(value));
+}
+
 }  // namespace
 
 bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ended) {
@@ -101,21 +112,11 @@ bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ende
     ImGui::BeginGroup();
     const bool is_changed = draw_param(ui, key, param);
     ImGui::EndGroup();
-    if (is_changed) {
-      Document written = write_params({param});
-      Document value = get(written, key);
-      // One number for all channels is written as such.
-      if (auto* array = std::get_if<Document::Array>(&value.value);
-          array != nullptr && array->size() == 1)
-        value = Document(array->front());
-      set(document, key, std::move(value));
-      changed = true;
-    }
+    if (is_changed) take_value(document, param, key);
+    changed |= is_changed;
     ended |= ImGui::IsItemDeactivatedAfterEdit();
     if (!std::holds_alternative<std::vector<double>*>(param.target)) mark(ui.probe, "param/" + key);
-    if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("%s%s%s", param.help.c_str(), param.unit.empty() ? "" : ", ",
-                        param.unit.c_str());
+    explain((param.help + (param.unit.empty() ? "" : ", " + param.unit)).c_str());
   }
   return changed;
 }
