@@ -9,8 +9,9 @@ namespace parian {
 namespace {
 
 std::vector<PanelBox> panels(const Layout& layout) {
-  return {layout.menu,       layout.tools,   layout.view,       layout.split_map, layout.flat,
-          layout.split_flat, layout.profile, layout.split_side, layout.side,      layout.status};
+  return {layout.menu, layout.tools,      layout.view,    layout.split_map,
+          layout.flat, layout.split_flat, layout.profile, layout.split_side,
+          layout.tabs, layout.split_tabs, layout.info,    layout.status};
 }
 
 bool overlaps(const PanelBox& a, const PanelBox& b) {
@@ -39,7 +40,7 @@ TEST(Layout, FillsTheWindowWithoutOverlap) {
 TEST(Layout, AnyWindowHasPanelsOfAPixel) {
   for (const float width : {0.0f, 1.0f, 7.0f, 40.0f, 200.0f})
     for (const float height : {0.0f, 1.0f, 30.0f, 100.0f})
-      for (const PanelBox& box : panels(make_layout(width, height, 14, 20, {0.9f, 0.9f, 2}))) {
+      for (const PanelBox& box : panels(make_layout(width, height, 14, 20, {0.9f, 0.9f, 2, -1}))) {
         EXPECT_GE(box.width, 1);
         EXPECT_GE(box.height, 1);
       }
@@ -57,7 +58,9 @@ TEST(Layout, BordersFollowTheMouseUpToALeastSize) {
   EXPECT_NEAR(side.split_map.x, before.split_map.x, 1.5);
   const Layout lower = lay(drag_split(shares, Split::flat, 60, 1440, 900, 14, 20));
   EXPECT_NEAR(lower.split_flat.y, before.split_flat.y + 60, 1.5);
-  for (const Split split : {Split::map, Split::side, Split::flat})
+  const Layout tabs = lay(drag_split(shares, Split::tabs, -30, 1440, 900, 14, 20));
+  EXPECT_NEAR(tabs.split_tabs.y, before.split_tabs.y - 30, 1.5);
+  for (const Split split : {Split::map, Split::side, Split::flat, Split::tabs})
     for (const float pixels : {-5000.0f, 5000.0f})
       for (const PanelBox& box :
            panels(lay(drag_split(shares, split, pixels, 1440, 900, 14, 20)))) {

@@ -76,8 +76,9 @@ void draw_marks(const Studio& studio, const FlatFrame& frame, bool on_second) {
     const double pitch = studio.snapshot->after.pixel_pitch_mm;
     const ImVec2 at =
         frame.to_screen((studio.inspected.x + 0.5) * pitch, (studio.inspected.y + 0.5) * pitch);
-    list->AddCircle(at, 5, shadow_color, 12, 3);
-    list->AddCircle(at, 5, frame_color, 12, 1.5f);
+    const float radius = 0.36f * ImGui::GetFontSize();
+    list->AddCircle(at, radius, shadow_color, 12, 0.6f * radius);
+    list->AddCircle(at, radius, frame_color, 12, 0.3f * radius);
   }
   const bool has_stamp = studio.stamp_source && studio.stamp_source->map.empty() != on_second;
   if (has_stamp) draw_outline(frame, studio.stamp_source->box_mm);
@@ -133,10 +134,11 @@ void draw_flat_options(Ui& ui) {
   const double pitch = studio.snapshot->after.pixel_pitch_mm;
   const double least = 0.25 * pitch, most = 0.25 * pitch * studio.snapshot->after.width;
   ImGui::SetNextItemWidth(std::max(4 * em, ImGui::GetContentRegionAvail().x));
-  ImGui::SliderScalar("##brush", ImGuiDataType_Double, &studio.brush_radius_mm, &least, &most,
-                      "brush %.2f mm", ImGuiSliderFlags_Logarithmic);
+  const auto speed = static_cast<float>(0.01 * studio.brush_radius_mm);
+  ImGui::DragScalar("##brush", ImGuiDataType_Double, &studio.brush_radius_mm, speed, &least, &most,
+                    "brush %.2f mm", ImGuiSliderFlags_AlwaysClamp);
   mark(ui.probe, "brush");
-  explain("radius of strokes ([ and ])");
+  explain("radius of strokes: drag to the left and right ([ and ])");
   if (studio.second == nullptr) return;
   std::size_t source = studio.flat_shows_second ? 1 : 0;
   ImGui::SetNextItemWidth(std::max(4 * em, ImGui::GetContentRegionAvail().x));

@@ -120,7 +120,9 @@ void draw_edit_menu(Ui& ui) {
 
 void frame_mesh(Studio& studio) {
   if (studio.stage == nullptr) return;
-  studio.orbit = frame_stage(*studio.stage, studio.view_width, studio.view_height);
+  const Orbit whole = frame_stage(*studio.stage, studio.view_width, studio.view_height);
+  studio.orbit.target = whole.target;
+  studio.orbit.distance_mm = whole.distance_mm;
   touch_view(studio);
 }
 

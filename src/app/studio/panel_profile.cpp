@@ -62,6 +62,8 @@ void draw_grid(const Axes& axes) {
     list->AddText({std::min(at.x - width / 2, axes.high.x - width - 3), axes.high.y - 1.2f * em},
                   ink, label.c_str());
   }
+  list->AddText({axes.low.x + 4, axes.low.y + 2}, ink,
+                fmt::format("{:.0e} / mm²", std::exp(axes.top)).c_str());
   list->AddText({axes.low.x + 4, axes.high.y - 1.2f * em}, ink,
                 fmt::format("{:.0e}", std::exp(axes.top - decades * ln_10)).c_str());
 }
@@ -112,9 +114,10 @@ void draw_handles(Ui& ui, const Axes& axes, const Profile& profile) {
     const double value = eval_log_profile(profile, std::min(r, 0.999 * profile.support_mm));
     if (!std::isfinite(value) || r > axes.max_r) continue;
     const ImVec2 at = axes.place(r, value);
-    ImGui::SetCursorScreenPos({at.x - 6, at.y - 6});
+    const float radius = 0.3f * ImGui::GetFontSize();
+    ImGui::SetCursorScreenPos({at.x - 1.5f * radius, at.y - 1.5f * radius});
     ImGui::PushID(static_cast<int>(i));
-    ImGui::InvisibleButton("handle", {12, 12});
+    ImGui::InvisibleButton("handle", {3 * radius, 3 * radius});
     mark(ui.probe, fmt::format("shape handle {}", i));
     const bool active = ImGui::IsItemActive(), hovered = ImGui::IsItemHovered();
     if (ImGui::IsItemActivated()) ui.shape_drag = std::log(shape_factor(studio, i));
@@ -127,20 +130,30 @@ void draw_handles(Ui& ui, const Axes& axes, const Profile& profile) {
       ui.shape_drag.reset();
       ++studio.drags;
     }
-    ImGui::GetWindowDrawList()->AddCircleFilled(at, hovered || active ? 6.0f : 4.0f,
+    ImGui::GetWindowDrawList()->AddCircleFilled(at, hovered || active ? 1.4f * radius : radius,
                                                 IM_COL32(255, 220, 60, 255));
     ImGui::PopID();
   }
 }
 
-void draw_channel_choice(Ui& ui, const EditState& state) {
+// Channels, the inspected pixel, and its figures.
+void draw_heading(Ui& ui, const EditState& state) {
+  Studio& studio = ui.studio;
   static constexpr const char* channels[] = {"red", "green", "blue"};
   for (int c = 0; c < std::min(3, state.channels); ++c) {
     if (c > 0) ImGui::SameLine();
-    ImGui::RadioButton(channels[c], &ui.studio.channel, c);
+    ImGui::RadioButton(channels[c], &studio.channel, c);
     mark(ui.probe, std::string("channel/") + channels[c]);
   }
-  ui.studio.channel = std::clamp(ui.studio.channel, 0, state.channels - 1);
+  studio.channel = std::clamp(studio.channel, 0, state.channels - 1);
+  const std::string place = fmt::format("({}, {})", studio.inspected.x, studio.inspected.y);
+  ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(place.c_str()).x);
+  ImGui::TextDisabled("%s", place.c_str());
+  explain("the inspected pixel: click on another one with the orbit tool or the eyedropper");
+  const ProfileProperties properties = measure_properties(
+      get_profile(state, studio.channel, studio.inspected.x, studio.inspected.y));
+  ImGui::TextDisabled("albedo %.3f  range %.2f  mean %.2f mm", properties.albedo,
+                      properties.range_mm, properties.mean_radius_mm);
 }
 
 void draw_curves(const Studio& studio, const Axes& axes, const Profile& edited) {
@@ -168,17 +181,12 @@ void draw_profile(Ui& ui) {
   if (studio.is_homogeneous)
     return ImGui::TextWrapped("The profile of a pixel of the map stands here.");
   const EditState& after = studio.snapshot->after;
-  draw_channel_choice(ui, after);
-  const MapPixel pixel = studio.inspected;
-  const Profile edited = get_profile(after, studio.channel, pixel.x, pixel.y);
-  const ProfileProperties properties = measure_properties(edited);
-  ImGui::TextDisabled("(%d, %d)  albedo %.3f  range %.2f mm  mean %.2f mm", pixel.x, pixel.y,
-                      properties.albedo, properties.range_mm, properties.mean_radius_mm);
-  explain("the inspected pixel: pick another one with the eyedropper, or with the orbit tool");
+  draw_heading(ui, after);
+  const Profile edited = get_profile(after, studio.channel, studio.inspected.x, studio.inspected.y);
   const ImVec2 corner = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
   if (room.x < 20 || room.y < 20) return;
   Axes axes{{corner.x, corner.y}, {corner.x + room.x, corner.y + room.y}};
-  axes.max_r = std::max(1e-6, 1.05 * std::min(edited.support_mm, 1.5 * properties.range_mm));
+  axes.max_r = std::max(1e-6, 1.05 * std::min(edited.support_mm, 1.5 * profile_range(edited)));
   axes.top = eval_log_profile(edited, 0) + 0.5;
   ImGui::PushClipRect(axes.low, axes.high, true);
   draw_grid(axes);

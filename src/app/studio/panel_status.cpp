@@ -17,21 +17,6 @@ std::string text_of(const Message& message) {
                            : message.text;
 }
 
-void draw_message_list(Ui& ui) {
-  const ImVec2 room = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowSize({std::min(50 * ImGui::GetFontSize(), room.x), 0});
-  if (!ImGui::BeginPopup("messages")) return;
-  ImGui::BeginChild("list", {0, std::min(20 * ImGui::GetFontSize(), 0.7f * room.y)});
-  for (auto message = ui.studio.messages.rbegin(); message != ui.studio.messages.rend();
-       ++message) {
-    if (message->is_error) ImGui::PushStyleColor(ImGuiCol_Text, error_color);
-    ImGui::TextWrapped("%s", text_of(*message).c_str());
-    if (message->is_error) ImGui::PopStyleColor();
-  }
-  ImGui::EndChild();
-  ImGui::EndPopup();
-}
-
 void draw_last_message(Ui& ui, float width) {
   if (ui.studio.messages.empty()) return;
   const Message& last = ui.studio.messages.back();
@@ -39,12 +24,11 @@ void draw_last_message(Ui& ui, float width) {
   ImGui::PushStyleColor(ImGuiCol_Text,
                         last.is_error ? error_color : ImGui::GetColorU32(ImGuiCol_Text));
   ImGui::PushStyleVar(ImGuiStyleVar_ButtonTextAlign, ImVec2(0, 0.5f));
-  const bool opens = ImGui::Button((text_of(last) + "###last").c_str(), {width, 0});
+  ImGui::Button((text_of(last) + "###last").c_str(), {width, 0});
   ImGui::PopStyleVar();
   ImGui::PopStyleColor(2);
   mark(ui.probe, "messages");
   explain(last.text.c_str());
-  if (opens) ImGui::OpenPopup("messages");
 }
 
 // True: it shall be cancelled.
@@ -68,7 +52,7 @@ void draw_jobs(Ui& ui, const std::vector<JobView>& jobs, const EditorActivity& a
     const std::string text = fmt::format("{} {:.0f} %", job.name, 100 * job.done);
     if (draw_progress(job.name, text, job.done)) {
       studio.jobs.cancel(job.name);
-      if (job.name == "refine") studio.refine = false;
+      if (job.name == "refine") studio.still = Still::fine;
     }
     mark(ui.probe, "cancel/" + job.name);
   }
@@ -78,6 +62,16 @@ void draw_jobs(Ui& ui, const std::vector<JobView>& jobs, const EditorActivity& a
 }
 
 }  // namespace
+
+void draw_messages(Ui& ui) {
+  if (ui.studio.messages.empty()) ImGui::TextDisabled("none yet");
+  for (auto message = ui.studio.messages.rbegin(); message != ui.studio.messages.rend();
+       ++message) {
+    if (message->is_error) ImGui::PushStyleColor(ImGuiCol_Text, error_color);
+    ImGui::TextWrapped("%s", text_of(*message).c_str());
+    if (message->is_error) ImGui::PopStyleColor();
+  }
+}
 
 void draw_status(Ui& ui) {
   const Studio& studio = ui.studio;
@@ -94,7 +88,6 @@ void draw_status(Ui& ui) {
   const float figures_width = 11 * em, job_width = 16.5f * em;
   const float room = ImGui::GetContentRegionAvail().x;
   draw_last_message(ui, std::max(4 * em, room - figures_width - shown * job_width));
-  draw_message_list(ui);
   draw_jobs(ui, jobs, activity);
   ImGui::SameLine(std::max(4 * em, room - ImGui::CalcTextSize(figures.c_str()).x));
   ImGui::TextDisabled("%s", figures.c_str());

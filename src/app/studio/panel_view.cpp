@@ -149,17 +149,19 @@ void draw_view_options(Ui& ui) {
   mark(ui.probe, "show selection");
   explain("the selected layer's selection in red (M)");
   ImGui::SameLine();
-  if (ImGui::Checkbox("refine", &studio.refine)) touch_view(studio);
-  mark(ui.probe, "refine");
-  explain("let the exact renderer work on the picture while nothing moves");
+  ImGui::SetNextItemWidth(5.5f * em);
+  if (draw_choice(ui, "still", still_names(), studio.still)) touch_view(studio);
+  explain("how good the picture becomes while nothing moves; exact: by the CPU renderer");
   ImGui::SameLine();
   ImGui::SetNextItemWidth(std::max(4 * em, ImGui::GetContentRegionAvail().x));
   auto exposure = static_cast<float>(studio.exposure);
-  if (ImGui::SliderFloat("##exposure", &exposure, -5, 5, "exposure %+.1f stops")) {
+  if (ImGui::DragFloat("##exposure", &exposure, 0.02f, -5, 5, "exposure %+.1f stops",
+                       ImGuiSliderFlags_AlwaysClamp)) {
     studio.exposure = static_cast<double>(exposure);
     touch_view(studio);
   }
   mark(ui.probe, "exposure");
+  explain("drag to the left and right (- and +)");
 }
 
 }  // namespace

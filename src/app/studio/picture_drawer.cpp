@@ -68,13 +68,14 @@ Image splat(Splatter& splatter, const GlLimits& limits, const PictureRequest& re
             const std::shared_ptr<const Material>& material, const Progress& progress) {
   if (splatter.renderer == nullptr || splatter.stage != request.stage) {
     splatter.renderer.reset();
-    splatter.renderer = std::make_unique<SplatRenderer>(
-        limits, make_scene(request, *material, request.lighting), splat_params(request.fine));
+    splatter.renderer =
+        std::make_unique<SplatRenderer>(limits, make_scene(request, *material, request.lighting),
+                                        splat_params(request.fine), progress);
     splatter.stage = request.stage;
   } else {
     if (splatter.material != material) splatter.renderer->set_material(*material);
     if (!(splatter.lighting == request.lighting))
-      splatter.renderer->set_lights(make_lights(request.lighting));
+      splatter.renderer->set_lights(make_lights(request.lighting), progress);
     if (!(splatter.camera == request.camera)) splatter.renderer->set_camera(request.camera);
   }
   splatter.camera = request.camera;

@@ -78,6 +78,7 @@ std::shared_ptr<Picture> PictureThread::Impl::make_picture(PictureDrawer& drawer
     }};
     const Image image = drawer.draw(request, progress, *picture);
     picture->rgba = encode_picture(image, request.exposure);
+    picture->is_fine = request.fine;
     picture->width = image.width;
     picture->height = image.height;
     picture->seconds =

@@ -40,6 +40,7 @@ struct Picture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;  // sRGB-encoded, row 0 on top
   double seconds = 0;
+  bool is_fine = false;
   SplatReport report;    // of a splatted picture
   bool is_live = false;  // from precomputed transport
   LiveReport live;

@@ -47,10 +47,13 @@ Document describe_input(const ProbeInput& input) {
 
 Document describe_widgets(const Probe& probe) {
   Document widgets{Document::Object{}};
-  for (const auto& [name, box] : probe.widgets)
+  for (const auto& [name, box] : probe.widgets) {
+    const auto before = probe.previous.find(name);
+    if (before == probe.previous.end() || !(before->second == box)) continue;
     set(widgets, name,
         Document::Array{static_cast<double>(box.x0), static_cast<double>(box.y0),
                         static_cast<double>(box.x1), static_cast<double>(box.y1)});
+  }
   return widgets;
 }
 
@@ -94,6 +97,7 @@ void describe_picture(Document& state, Probe& probe, const Studio& studio) {
                          {"view", 1e3 * picture.live.view_s},
                          {"shade", 1e3 * picture.live.shade_s},
                          {"read", 1e3 * picture.live.read_s}});
+  set(state, "fine", picture.is_fine);
   if (probe.seen != studio.picture) {
     probe.seen = studio.picture;
     probe.brightness = brightness_of(picture);
@@ -117,6 +121,7 @@ Document describe_state(Probe& probe, const Studio& studio) {
   Document state{Document::Object{}};
   set(state, "input", describe_input(probe.input));
   set(state, "settled", is_settled(studio));
+  set(state, "still", still_names()[static_cast<std::size_t>(studio.still)]);
   set(state, "tool", tool_names()[static_cast<std::size_t>(studio.tool)]);
   set(state, "mode", view_mode_names()[static_cast<std::size_t>(studio.mode)]);
   set(state, "flat_mode", flat_mode_names()[static_cast<std::size_t>(studio.flat_mode)]);

@@ -13,6 +13,7 @@ namespace parian {
 
 struct WidgetBox {
   float x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // window pixels
+  friend bool operator==(const WidgetBox&, const WidgetBox&) = default;
 };
 
 // What the window has taken in so far: a script waits for it instead of for time to pass.
@@ -28,8 +29,9 @@ struct ProbeInput {
 struct Probe {
   std::string path;
   ProbeInput input;
-  double first_picture_s = -1;               // from the program's start
-  std::map<std::string, WidgetBox> widgets;  // of the present frame
+  double first_picture_s = -1;                // from the program's start
+  std::map<std::string, WidgetBox> widgets;   // of the present frame
+  std::map<std::string, WidgetBox> previous;  // of the one before: what moves cannot be clicked
   std::string last;
   double last_s = -1;
   std::shared_ptr<const Picture> seen;  // whose brightness this is

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <utility>
 
 #include "app/studio/layout.h"
 #include "app/studio/studio_files.h"
@@ -56,12 +57,16 @@ struct Tab {
   const char* name;
   void (*draw)(Ui&);
 };
-constexpr Tab tabs[] = {{"Layers", draw_layers},   {"Material", draw_material},
-                        {"Light", draw_light},     {"Compress", draw_compression},
-                        {"History", draw_history}, {"Stats", draw_statistics}};
+constexpr Tab upper_tabs[] = {{"Layers", draw_layers},
+                              {"Material", draw_material},
+                              {"Light", draw_light},
+                              {"Compress", draw_compression}};
+constexpr Tab lower_tabs[] = {
+    {"History", draw_history}, {"Statistics", draw_statistics}, {"Messages", draw_messages}};
 
-void draw_side_tabs(Ui& ui) {
-  if (!ImGui::BeginTabBar("side", ImGuiTabBarFlags_FittingPolicyScroll)) return;
+template <std::size_t n>
+void draw_tabs(Ui& ui, const char* name, const Tab (&tabs)[n]) {
+  if (!ImGui::BeginTabBar(name, ImGuiTabBarFlags_FittingPolicyScroll)) return;
   for (const Tab& tab : tabs) {
     const bool open = ImGui::BeginTabItem(tab.name);
     mark(ui.probe, std::string("tab/") + tab.name);
@@ -82,7 +87,7 @@ void draw_split(Ui& ui, const char* name, Split split, const PanelBox& box, floa
   draw_panel(ui, name, box, ImGuiWindowFlags_NoScrollbar, [&](Ui&) {
     ImGui::InvisibleButton("border", {box.width, box.height});
     mark(ui.probe, name);
-    const bool is_across = split == Split::flat;
+    const bool is_across = split == Split::flat || split == Split::tabs;
     if (ImGui::IsItemHovered() || ImGui::IsItemActive())
       ImGui::SetMouseCursor(is_across ? ImGuiMouseCursor_ResizeNS : ImGuiMouseCursor_ResizeEW);
     if (!ImGui::IsItemActive()) return;
@@ -108,7 +113,8 @@ void draw_panels(Ui& ui) {
   draw_panel(ui, "3-D", layout.view, fixed, draw_view);
   draw_panel(ui, "map", layout.flat, fixed, draw_flat_view);
   draw_panel(ui, "profile", layout.profile, fixed, draw_profile);
-  draw_panel(ui, "side", layout.side, fixed, draw_side_tabs);
+  draw_panel(ui, "tabs", layout.tabs, fixed, [](Ui& u) { draw_tabs(u, "upper", upper_tabs); });
+  draw_panel(ui, "info", layout.info, fixed, [](Ui& u) { draw_tabs(u, "lower", lower_tabs); });
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(7, 2));
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImGui::GetStyleColorVec4(ImGuiCol_MenuBarBg));
   draw_panel(ui, "status", layout.status, fixed, draw_status);
@@ -117,6 +123,7 @@ void draw_panels(Ui& ui) {
   draw_split(ui, "split/map", Split::map, layout.split_map, status);
   draw_split(ui, "split/side", Split::side, layout.split_side, status);
   draw_split(ui, "split/flat", Split::flat, layout.split_flat, status);
+  draw_split(ui, "split/tabs", Split::tabs, layout.split_tabs, status);
   draw_notice(ui, layout.view);
 }
 
@@ -160,7 +167,7 @@ void note_input(Probe& probe) {
 
 // One frame; true: the program may end.
 bool run_frame(Ui& ui, double now_s) {
-  ui.probe.widgets.clear();
+  ui.probe.previous = std::exchange(ui.probe.widgets, {});
   try {
     update(ui.studio, now_s);
     handle_shortcuts(ui);

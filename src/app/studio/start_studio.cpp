@@ -66,7 +66,8 @@ void load_kept(Studio& studio) {
       const auto share = [&](const char* key) {
         return static_cast<float>(as_number(get(*layout, key), 0, 1));
       };
-      studio.shares = {.map = share("map"), .side = share("side"), .flat = share("flat")};
+      studio.shares = {
+          .map = share("map"), .side = share("side"), .flat = share("flat"), .tabs = share("tabs")};
     }
   } catch (const Error& error) {
     report(studio, std::string(error.what()) + "; the file is made anew", true);
@@ -227,6 +228,7 @@ void finish_studio(Studio& studio) {
   set(layout, "map", static_cast<double>(studio.shares.map));
   set(layout, "side", static_cast<double>(studio.shares.side));
   set(layout, "flat", static_cast<double>(studio.shares.flat));
+  set(layout, "tabs", static_cast<double>(studio.shares.tabs));
   save_state(studio, "layout.json", layout);
 }
 

@@ -85,6 +85,11 @@ void update_scene_history(Studio& studio) {
   if (studio.now_s - studio.last_change_s >= rest_s) note_scene_now(studio);
 }
 
+bool may_refine(const Studio& studio) {
+  return studio.still == Still::exact && studio.mode == ViewMode::shaded &&
+         shown_mask(studio) == nullptr;
+}
+
 void update_map(Studio& studio) {
   if (studio.editor == nullptr) return;
   studio.snapshot = studio.editor->snapshot();
@@ -125,10 +130,10 @@ void update_view(Studio& studio) {
   }
   const double rested = studio.now_s - studio.last_change_s;
   const bool has_ended = shows_newest || studio.pictures.last_failed() == studio.request_id;
-  if (!studio.request_is_fine && has_ended && rested > rest_s) request_picture(studio, true);
-  const bool wants_refined = studio.refine && studio.mode == ViewMode::shaded &&
-                             shown_mask(studio) == nullptr && studio.request_is_fine &&
-                             shows_newest && rested > refine_rest_s;
+  if (!studio.request_is_fine && has_ended && rested > rest_s && studio.still != Still::draft)
+    request_picture(studio, true);
+  const bool wants_refined =
+      may_refine(studio) && studio.request_is_fine && shows_newest && rested > refine_rest_s;
   const bool has_refined = studio.refined != nullptr && studio.refined->id == studio.request_id;
   if (wants_refined && !has_refined && !studio.jobs.is_running("refine") &&
       !studio.jobs.is_running("transport"))
@@ -199,6 +204,11 @@ const std::vector<std::string>& tool_names() {
   return names;
 }
 
+const std::vector<std::string>& still_names() {
+  static const std::vector<std::string> names{"draft", "fine", "exact"};
+  return names;
+}
+
 const std::vector<std::string>& flat_mode_names() {
   static const std::vector<std::string> names{"albedo",  "range", "mean radius", "selection",
                                               "uniform", "disc",  "line",        "beam"};
@@ -235,12 +245,12 @@ bool is_settled(const Studio& studio) {
   if (studio.snapshot != nullptr && studio.flat_is_stale) return false;
   if (studio.editor != nullptr && studio.editor->activity().busy) return false;
   if (studio.stage == nullptr || studio.material == nullptr) return true;
-  if (!studio.waiting_strokes.empty() || !studio.request_is_fine) return false;
+  if (!studio.waiting_strokes.empty()) return false;
+  if (!studio.request_is_fine && studio.still != Still::draft) return false;
   if (studio.pictures.last_failed() == studio.request_id) return true;
   if (studio.picture == nullptr || studio.picture->id != studio.request_id) return false;
-  const bool wants_refined =
-      studio.refine && studio.mode == ViewMode::shaded && shown_mask(studio) == nullptr;
-  return !wants_refined || (studio.refined != nullptr && studio.refined->id == studio.request_id);
+  return !may_refine(studio) ||
+         (studio.refined != nullptr && studio.refined->id == studio.request_id);
 }
 
 void touch_view(Studio& studio) {

@@ -29,6 +29,11 @@ const std::vector<std::string>& tool_names();
 enum class FlatMode { albedo, range, mean_radius, selection, uniform, disc, line, beam };
 const std::vector<std::string>& flat_mode_names();
 
+// How good the picture becomes while nothing moves: as while it moves, splatted at full size, or
+// by the exact renderer.
+enum class Still { draft, fine, exact };
+const std::vector<std::string>& still_names();
+
 struct MapPixel {
   int x = 0, y = 0;
 };
@@ -113,7 +118,7 @@ struct Studio {
   bool show_selection = false;
   int view_width = 640, view_height = 480;  // of the 3-D view, in pixels
   double interactive_scale = 0.5;
-  bool refine = true;
+  Still still = Still::exact;
 
   // Precomputed transport of the stage, for homogeneous materials (transport_job.h).
   bool use_transport = true;

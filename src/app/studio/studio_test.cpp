@@ -192,7 +192,7 @@ TEST(Studio, StartsWithTheBundledSampleAndTakesStrokes) {
   const StateFolder folder;
   Studio studio;
   start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-  studio.refine = false;
+  studio.still = Still::fine;
   studio.view_width = 64;
   studio.view_height = 48;
   run(studio);
@@ -238,7 +238,7 @@ TEST(Studio, RecoversWhatWasNotSaved) {
   {
     Studio studio;
     start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-    studio.refine = false;
+    studio.still = Still::fine;
     studio.view_width = studio.view_height = 32;
     add_layer(studio, make_adjust(0.5));
     studio.editor->wait();
@@ -247,7 +247,7 @@ TEST(Studio, RecoversWhatWasNotSaved) {
   }
   Studio studio;
   start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-  studio.refine = false;
+  studio.still = Still::fine;
   studio.view_width = studio.view_height = 32;
   ASSERT_TRUE(studio.recoverable);
   recover(studio);
@@ -262,7 +262,7 @@ TEST(Studio, BadFilesBecomeMessages) {
   Studio studio;
   start_studio(studio, {folder.path, "/no/such/folder"});  // no bundled sample either
   EXPECT_TRUE(studio.is_homogeneous);
-  studio.refine = false;
+  studio.still = Still::fine;
   studio.view_width = studio.view_height = 32;
   for (const char* name : {"/no/such.h5", "/no/such.ply", "/no/such.json", "/no/such.kbm",
                            "/no/such.exr", "/no/such"}) {

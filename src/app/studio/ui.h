@@ -62,6 +62,7 @@ void draw_light(Ui& ui);
 void draw_compression(Ui& ui);
 void draw_history(Ui& ui);
 void draw_statistics(Ui& ui);
+void draw_messages(Ui& ui);
 void draw_help(Ui& ui);
 void draw_dialogs(Ui& ui);
 // True: the program may end. Unsaved recipes are asked about.
