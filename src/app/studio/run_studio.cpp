@@ -168,6 +168,7 @@ void note_input(Probe& probe) {
 // One frame; true: the program may end.
 bool run_frame(Ui& ui, double now_s) {
   ui.probe.previous = std::exchange(ui.probe.widgets, {});
+  ui.studio.is_held = ImGui::IsAnyMouseDown();
   try {
     update(ui.studio, now_s);
     handle_shortcuts(ui);

@@ -82,7 +82,7 @@ void start_refining(Studio& studio) {
 
 // Changes of the light and of a homogeneous material, once they rest.
 void update_scene_history(Studio& studio) {
-  if (studio.now_s - studio.last_change_s >= rest_s) note_scene_now(studio);
+  if (!studio.is_held && studio.now_s - studio.last_change_s >= rest_s) note_scene_now(studio);
 }
 
 bool may_refine(const Studio& studio) {

@@ -122,6 +122,7 @@ struct Studio {
 
   // Precomputed transport of the stage, for homogeneous materials (transport_job.h).
   bool use_transport = true;
+  std::optional<PrecomputeParams> transport_params;  // none: by the size of the mesh
   std::shared_ptr<const ReadyTransport> transport;
   std::optional<TransportKey> transport_under_way;
   SceneHistory scene_history;
@@ -164,6 +165,7 @@ struct Studio {
   bool notice_is_seen = true;  // of the last error
   std::vector<std::string> recent;
   std::optional<std::string> recoverable;  // path of an autosaved recipe
+  bool is_held = false;                    // a mouse button: what is being dragged is no entry yet
   std::uint64_t drags = 0;  // finished ones: a drag of a slider is one entry of the history
   double now_s = 0;
 

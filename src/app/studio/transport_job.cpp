@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string_view>
 
 #include "app/studio/studio.h"
 #include "base/error.h"
-#include "transport/precompute.h"
 
 namespace parian {
 namespace {
@@ -56,9 +56,11 @@ void start_transport(Studio& studio, const TransportKey& wanted) {
   studio.transport_under_way = wanted;
   studio.jobs.start(
       "transport",
-      [&studio, wanted, earlier = studio.transport](const Progress& progress) -> Jobs::Finish {
+      [&studio, wanted, earlier = studio.transport,
+       params = studio.transport_params.value_or(choose_transport_params(*wanted.stage))](
+          const Progress& progress) -> Jobs::Finish {
         try {
-          auto ready = make_ready_transport(wanted, earlier.get(), progress);
+          auto ready = make_ready_transport(wanted, params, earlier.get(), progress);
           return [&studio, ready] {
             studio.transport_under_way.reset();
             studio.transport = ready;
@@ -92,13 +94,22 @@ std::optional<std::vector<Rgb>> find_light_scales(const ReadyTransport& ready,
   return scales;
 }
 
+PrecomputeParams choose_transport_params(const Stage& stage) {
+  constexpr std::size_t per_vertex = 4, least = 20000;
+  PrecomputeParams params;
+  params.samples = static_cast<int>(std::clamp(per_vertex * stage.scene.mesh.positions.size(),
+                                               least, static_cast<std::size_t>(params.samples)));
+  return params;
+}
+
 std::shared_ptr<const ReadyTransport> make_ready_transport(const TransportKey& key,
+                                                           const PrecomputeParams& params,
                                                            const ReadyTransport* earlier,
                                                            const Progress& progress) {
   const Scene scene = make_transport_scene(key);
   if (scene.lights.empty())
     throw Error({{}, "light", "a lamp or an environment that is not off", "none"});
-  Precompute precompute(scene, key.stage->tracer, {}, {}, progress);
+  Precompute precompute(scene, key.stage->tracer, params, {}, progress);
   const bool can_keep = earlier != nullptr && earlier->key.stage == key.stage &&
                         earlier->key.eta == key.eta &&
                         has_same_kinds(earlier->key.lighting, key.lighting);

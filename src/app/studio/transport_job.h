@@ -11,6 +11,7 @@
 #include "app/studio/stage.h"
 #include "base/progress.h"
 #include "transport/homogeneous_transport.h"
+#include "transport/precompute.h"
 
 namespace parian {
 
@@ -31,8 +32,12 @@ struct ReadyTransport {
 std::optional<std::vector<Rgb>> find_light_scales(const ReadyTransport& ready,
                                                   const TransportKey& wanted);
 
-// `earlier` may be null; its lights that are the same are kept.
+// Samples by the number of vertices, so that a small mesh is ready soon.
+PrecomputeParams choose_transport_params(const Stage& stage);
+
+// `earlier` may be null; its lights that are the same are kept. Of the same parameters.
 std::shared_ptr<const ReadyTransport> make_ready_transport(const TransportKey& key,
+                                                           const PrecomputeParams& params,
                                                            const ReadyTransport* earlier,
                                                            const Progress& progress);
 
