@@ -134,34 +134,41 @@ def check_paint(studio):
 
 
 def check_brush_and_stamp(studio):
+    """A brush widens the selected layer's selection, or makes a layer over one of another kind."""
     studio.click("tool/brush")
-    studio.drag("view", [(0.62, 0.8), (0.66, 0.77)])
+    strokes = len(source(studio.state(), 1)["selection"]["of"])
+    studio.drag("view", [(0.8, 0.5), (0.82, 0.55)])
+    studio.until(lambda s: len(source(s, 1)["selection"]["of"]) > strokes, "wider selection")
+    studio.click("layer/0", u=0.3)
+    studio.until(lambda s: s["selected_layer"] == 0, "selected scribble")
+    studio.drag("view", [(0.8, 0.5), (0.82, 0.55)])
     state = count_layers(studio, 3, "brushed layer")
-    assert source(state, 2)["selection"]["type"] == "union"
+    assert source(state, 1)["selection"]["type"] == "union"
     studio.click("tool/stamp")
     studio.drag("flat", [(0.1, 0.1), (0.35, 0.4)])
     studio.message("pattern taken")
     studio.click("flat", 0.6, 0.6)
     state = count_layers(studio, 4, "stamped layer")
-    assert source(state, 3)["operation"] == "paste", source(state, 3)
+    assert [layer["source"]["operation"] for layer in state["layers"]] == [
+        "adjust", "adjust", "paste", "blend"], state["layers"]
     studio.settle()
 
 
 def check_layers(studio):
-    """Add, move, switch off, name, remove."""
+    """Add, change, move, switch off, remove."""
     studio.click("add layer")
     studio.click("add layer/filter", u=0.1)
     state = count_layers(studio, 5, "filter")
-    assert source(state, 4)["operation"] == "filter"
+    assert source(state, 3)["operation"] == "filter"
     studio.set_number("param/sigma_mm", "2.5")
-    studio.until(lambda s: source(s, 4).get("sigma_mm") == 2.5, "its width")
+    studio.until(lambda s: source(s, 3).get("sigma_mm") == 2.5, "its width")
     studio.set_number("param/opacity", "0.5")
-    studio.until(lambda s: source(s, 4).get("opacity") == 0.5, "its opacity")
-    studio.click("layer/4/down")
-    studio.until(lambda s: source(s, 3)["operation"] == "filter", "moved layer")
+    studio.until(lambda s: source(s, 3).get("opacity") == 0.5, "its opacity")
+    studio.click("layer/3/down")
+    studio.until(lambda s: source(s, 2)["operation"] == "filter", "moved layer")
     before = studio.settle()
-    studio.click("layer/3/on")
-    studio.until(lambda s: source(s, 3).get("enabled") is False, "layer that is off")
+    studio.click("layer/2/on")
+    studio.until(lambda s: source(s, 2).get("enabled") is False, "layer that is off")
     assert studio.settle()["brightness"] != before["brightness"]
     studio.leave_widgets()
     studio.key("Delete")
@@ -170,9 +177,10 @@ def check_layers(studio):
     studio.click("add layer")
     studio.click("add layer/interpolate", u=0.1)
     studio.message("scribble first")
-    for layer in (3, 2):
+    for layer in (2, 1):
         studio.click(f"layer/{layer}/remove")
-        count_layers(studio, layer, "fewer layers")
+        count_layers(studio, layer + 1, "fewer layers")
+    studio.click("layer/1", u=0.3)
     studio.settle()
 
 

@@ -97,6 +97,10 @@ std::optional<std::vector<Rgb>> find_light_scales(const ReadyTransport& ready,
 PrecomputeParams choose_transport_params(const Stage& stage) {
   constexpr std::size_t per_vertex = 4, least = 20000;
   PrecomputeParams params;
+  params.rays = 64;
+  params.single_params.path_samples = 16;
+  params.single_params.directions = 64;
+  params.single_params.resolution = 1024;
   params.samples = static_cast<int>(std::clamp(per_vertex * stage.scene.mesh.positions.size(),
                                                least, static_cast<std::size_t>(params.samples)));
   return params;

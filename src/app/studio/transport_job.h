@@ -32,7 +32,8 @@ struct ReadyTransport {
 std::optional<std::vector<Rgb>> find_light_scales(const ReadyTransport& ready,
                                                   const TransportKey& wanted);
 
-// Samples by the number of vertices, so that a small mesh is ready soon.
+// For an editor: samples by the number of vertices, half the directions, so that it is ready soon.
+// `parian precompute` takes more.
 PrecomputeParams choose_transport_params(const Stage& stage);
 
 // `earlier` may be null; its lights that are the same are kept. Of the same parameters.
