@@ -8,6 +8,7 @@ broken files and tiny windows, crashes and recovers. With --keep screenshots sta
 """
 
 import json
+import math
 import pathlib
 import shutil
 import subprocess
@@ -246,7 +247,34 @@ def check_compress(studio, folder):
     return shown
 
 
-def check_homogeneous(studio):
+def write_ball(path, rings=24):
+    """A mesh of a few hundred vertices, whose transport is ready soon."""
+    points, faces = [(0, 1, 0)], []
+    for i in range(1, rings):
+        a = math.pi * i / rings
+        points += [(math.sin(a) * math.cos(b), math.cos(a), math.sin(a) * math.sin(b))
+                   for b in (math.pi * k / rings for k in range(2 * rings))]
+    points.append((0, -1, 0))
+    n, last = 2 * rings, len(points) - 1
+    for k in range(n):
+        m = (k + 1) % n
+        faces += [(0, 1 + m, 1 + k), (last, last - n + k, last - n + m)]
+        for i in range(rings - 2):
+            u, v = 1 + i * n, 1 + (i + 1) * n
+            faces += [(u + k, u + m, v + k), (u + m, v + m, v + k)]
+    lines = ["ply", "format ascii 1.0", f"element vertex {len(points)}",
+             *(f"property float {axis}" for axis in "xyz"), f"element face {len(faces)}",
+             "property list uchar int vertex_indices", "end_header",
+             *(" ".join(map(str, point)) for point in points),
+             *(f"3 {a} {b} {c}" for a, b, c in faces)]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def check_homogeneous(studio, folder):
+    write_ball(folder / "ball.ply")
+    studio.key("ctrl+o")
+    studio.in_file_dialog(folder, "ball.ply")
+    studio.until(lambda s: s["mesh"].endswith("ball.ply"), "another mesh")
     studio.click("tab/Material")
     before = studio.settle()
     studio.click("homogeneous", u=0.1)
@@ -302,8 +330,8 @@ def check_errors(studio, folder):
         studio.until(lambda s: any(name in m for m in s["messages"][count:]), f"message on {name}")
     studio.screenshot("error")
     studio.click("notice/close")
-    studio.settle()
-    return layers
+    # All that was there still is.
+    assert studio.settle()["layers"] == layers
 
 
 def check_recipe(program, source_dir, folder):
@@ -338,7 +366,7 @@ def first_session(program, display, folder, figures):
         check_modes(studio)
         check_profile(studio)
         check_compress(studio, folder)
-        figures["homogeneous_update_ms"] = check_homogeneous(studio)
+        figures["homogeneous_update_ms"] = check_homogeneous(studio, folder)
         check_windows(studio)
         check_save(studio, folder)
         # One more edit, which no file holds when the program dies.

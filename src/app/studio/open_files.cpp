@@ -154,14 +154,32 @@ void open_scene_file(Studio& studio, const std::string& path) {
   });
 }
 
+// A recipe that cannot be applied leaves the present one as it is.
+void open_recipe(Studio& studio, const std::string& path, const Document& document) {
+  if (studio.editor == nullptr)
+    throw Error({path, {}, "a map to be open before its recipe", "none"});
+  studio.jobs.start(opening(path),
+                    [&studio, path, document,
+                     original = studio.original](const Progress& progress) -> Jobs::Finish {
+                      EditSession trial =
+                          make_edit_session(std::get<ProfileMap>(*original), make_loaders(path));
+                      set_recipe(trial, document);
+                      evaluate(trial, progress);
+                      return [&studio, path, document, original] {
+                        if (studio.original != original)
+                          return;  // another map was opened meanwhile
+                        show_recipe(studio, path, document, "open " + file_name(path));
+                        remember(studio, path);
+                        report(studio, "opened " + file_name(path));
+                      };
+                    });
+}
+
 void open_json(Studio& studio, const std::string& path) {
   const Document document = load_document(path);
   if (find(document, "layers") == nullptr || find(document, "mesh") != nullptr)
     return open_scene_file(studio, path);
-  if (studio.editor == nullptr)
-    throw Error({path, {}, "a map to be open before its recipe", "none"});
-  show_recipe(studio, path, document, "open " + file_name(path));
-  remember(studio, path);
+  open_recipe(studio, path, document);
 }
 
 }  // namespace
@@ -212,8 +230,10 @@ void show_recipe(Studio& studio, const std::string& path, const Document& recipe
   studio.recipe_path = path;
   const auto& map = std::get<ProfileMap>(*studio.original);
   studio.editor = std::make_unique<Editor>(map, make_loaders(path));
+  // As it is in its file, once it is evaluated.
+  studio.saved_version = studio.editor->snapshot()->version + 1;
   studio.editor->post(label, set_whole_recipe(recipe));
-  studio.seen_version = 0;
+  studio.seen_version = studio.autosaved_version = 0;
   studio.selected_layer.reset();
   studio.scene_history = {};
   touch_map(studio);

@@ -147,6 +147,7 @@ void draw_compression(Ui& ui) {
   ImGui::SliderInt("bases, at most", &studio.compression.bases, 8, 256);
   explain("base materials that all pixels share; an eighth, a quarter and a half are tried too");
   ImGui::SliderInt("per pixel", &studio.compression.per_pixel, 1, 5);
+  mark(ui.probe, "per pixel");
   explain("base materials that each pixel mixes; runs with another number are added to the plot");
   const bool runs = studio.jobs.is_running("compress");
   if (ImGui::Button(runs ? "Stop" : "Compress", {ImGui::GetContentRegionAvail().x, 0})) {

@@ -9,6 +9,7 @@
 
 #include "app/studio/tools.h"
 #include "app/studio/ui.h"
+#include "material/dipole.h"
 #include "material/properties.h"
 
 namespace parian {
@@ -32,16 +33,22 @@ struct Axes {
   }
 };
 
-void draw_curve(const Axes& axes, const Profile& profile, ImU32 color, float width) {
+template <typename Function>
+void draw_function(const Axes& axes, const Function& log_value, ImU32 color, float width) {
   std::vector<ImVec2> line;
   line.reserve(curve_steps + 1);
   for (int i = 0; i <= curve_steps; ++i) {
-    const double r = axes.max_r * i / curve_steps, value = eval_log_profile(profile, r);
+    const double r = axes.max_r * i / curve_steps, value = log_value(r);
     if (!std::isfinite(value)) break;
     line.push_back(axes.place(r, value));
   }
   ImGui::GetWindowDrawList()->AddPolyline(line.data(), static_cast<int>(line.size()), color, 0,
                                           width);
+}
+
+void draw_curve(const Axes& axes, const Profile& profile, ImU32 color, float width) {
+  draw_function(
+      axes, [&](double r) { return eval_log_profile(profile, r); }, color, width);
 }
 
 void draw_grid(const Axes& axes) {
@@ -173,13 +180,40 @@ void draw_curves(const Studio& studio, const Axes& axes, const Profile& edited) 
   draw_legend(axes, !studio.measured.empty(), has_picked, color);
 }
 
+// R_d of the channels of a homogeneous material.
+void draw_homogeneous(const Studio& studio) {
+  ImGui::TextDisabled("diffuse reflectance R_d(r) of the three channels");
+  const ImVec2 corner = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
+  if (room.x < 20 || room.y < 20) return;
+  const HomogeneousControls& controls = studio.homogeneous;
+  Axes axes{{corner.x, corner.y}, {corner.x + room.x, corner.y + room.y}};
+  const auto log_R_d = [&](std::size_t c, double r) {
+    const double value =
+        eval_dipole({controls.sigma_a[c], controls.sigma_s_prime[c], 0}, controls.eta, r);
+    return std::log(std::max(value, 1e-300));
+  };
+  axes.top = -1e9;
+  for (std::size_t c = 0; c < 3; ++c) {
+    // To where the slowest channel has fallen by the height of the plot.
+    axes.top = std::max(axes.top, log_R_d(c, 0) + 0.5);
+    const double sigma_t_prime = controls.sigma_a[c] + controls.sigma_s_prime[c];
+    axes.max_r =
+        std::max(axes.max_r, 6 / std::sqrt(3 * controls.sigma_a[c] * sigma_t_prime + 0.05));
+  }
+  ImGui::PushClipRect(axes.low, axes.high, true);
+  draw_grid(axes);
+  for (std::size_t c = 0; c < 3; ++c)
+    draw_function(
+        axes, [&](double r) { return log_R_d(c, r); }, channel_colors[c], 2);
+  ImGui::PopClipRect();
+}
+
 }  // namespace
 
 void draw_profile(Ui& ui) {
   Studio& studio = ui.studio;
+  if (studio.is_homogeneous) return draw_homogeneous(studio);
   if (studio.snapshot == nullptr) return;
-  if (studio.is_homogeneous)
-    return ImGui::TextWrapped("The profile of a pixel of the map stands here.");
   const EditState& after = studio.snapshot->after;
   draw_heading(ui, after);
   const Profile edited = get_profile(after, studio.channel, studio.inspected.x, studio.inspected.y);

@@ -38,17 +38,19 @@ void request_picture(Studio& studio, bool fine) {
       transport = studio.transport;
       scales = *std::move(found);
     }
-  PictureRequest request{.stage = studio.stage,
-                         .material = studio.material,
-                         .before = studio.original,
-                         .mask = shown_mask(studio),
-                         .transport = std::move(transport),
-                         .light_scales = std::move(scales),
-                         .lighting = studio.lighting,
-                         .camera = make_view_camera(studio, fine ? 1 : studio.interactive_scale),
-                         .mode = studio.mode,
-                         .exposure = studio.exposure,
-                         .fine = fine};
+  const bool is_live = transport != nullptr;
+  PictureRequest request{
+      .stage = studio.stage,
+      .material = studio.material,
+      .before = studio.original,
+      .mask = shown_mask(studio),
+      .transport = std::move(transport),
+      .light_scales = std::move(scales),
+      .lighting = studio.lighting,
+      .camera = make_view_camera(studio, fine || is_live ? 1 : studio.interactive_scale),
+      .mode = studio.mode,
+      .exposure = studio.exposure,
+      .fine = fine};
   studio.request_id = studio.pictures.request(std::move(request));
   studio.request_is_fine = fine;
   studio.is_stale = false;
@@ -243,7 +245,9 @@ void update(Studio& studio, double now_s) {
 bool is_settled(const Studio& studio) {
   if (!studio.jobs.views().empty() || studio.is_stale) return false;
   if (studio.snapshot != nullptr && studio.flat_is_stale) return false;
-  if (studio.editor != nullptr && studio.editor->activity().busy) return false;
+  if (studio.editor != nullptr &&
+      (studio.editor->activity().busy || studio.editor->snapshot() != studio.snapshot))
+    return false;
   if (studio.stage == nullptr || studio.material == nullptr) return true;
   if (!studio.waiting_strokes.empty()) return false;
   if (!studio.request_is_fine && studio.still != Still::draft) return false;

@@ -325,6 +325,31 @@ TEST(Studio, CompressionsAreInOrder) {
   EXPECT_TRUE(studio.compressed.empty());  // they were of another map
 }
 
+TEST(Studio, ARecipeThatFailsLeavesThePresentOne) {
+  const StateFolder folder;
+  Studio studio;
+  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
+  make_small(studio);
+  add_layer(studio, make_adjust(2));
+  studio.editor->wait();
+  const std::string path = folder.path + "/recipe.json";
+  const auto open = [&](const Document& layer) {
+    Document recipe{Document::Object{}};
+    set(recipe, "layers", Document::Array{layer});
+    save_document(path, recipe);
+    open_file(studio, path);
+    run(studio);
+  };
+  open(make_adjust(-1));
+  EXPECT_NE(studio.messages.back().text.find("range_scale"), std::string::npos);
+  ASSERT_EQ(studio.snapshot->layers.size(), 1u);
+  EXPECT_EQ(as_number(get(studio.snapshot->layers[0].source, "range_scale")), 2);
+  open(make_adjust(3));
+  ASSERT_EQ(studio.snapshot->layers.size(), 1u);
+  EXPECT_EQ(as_number(get(studio.snapshot->layers[0].source, "range_scale")), 3);
+  EXPECT_FALSE(is_unsaved(studio));
+}
+
 TEST(Studio, TheSameErrorIsOneMessage) {
   Studio studio;
   for (int i = 0; i < 3; ++i) report(studio, "no", true);
