@@ -82,10 +82,12 @@ void draw_status(Ui& ui) {
                                         (activity.busy ? 1 : 0));
   const float em = ImGui::GetFontSize();
   const std::string figures =
-      studio.picture != nullptr ? fmt::format("{} × {}, {:.0f} ms", studio.picture->width,
-                                              studio.picture->height, 1e3 * studio.picture->seconds)
-                                : "";
-  const float figures_width = 11 * em, job_width = 16.5f * em;
+      studio.picture != nullptr
+          ? fmt::format("{} × {}  {:.0f} ms  {:.0f} fps", studio.picture->width,
+                        studio.picture->height, 1e3 * studio.picture->seconds,
+                        static_cast<double>(ImGui::GetIO().Framerate))
+          : "";
+  const float figures_width = 15 * em, job_width = 16.5f * em;
   const float room = ImGui::GetContentRegionAvail().x;
   draw_last_message(ui, std::max(4 * em, room - figures_width - shown * job_width));
   draw_jobs(ui, jobs, activity);
