@@ -156,6 +156,7 @@ void draw_controls(Ui& ui, std::size_t index) {
   std::string name = layer.name;
   if (ImGui::InputText("name", &name, ImGuiInputTextFlags_EnterReturnsTrue) && !name.empty()) {
     set(changed, "name", name);
+    ui.edited_key = "name";
     edits = true;
   }
   mark(ui.probe, "layer name");
@@ -169,7 +170,9 @@ void draw_controls(Ui& ui, std::size_t index) {
     edits |= draw_params(ui, describe(numbers), changed, ended);
     edits |= draw_selection(ui, changed, ended);
   }
-  if (edits) post_layer(ui, index, std::move(changed), layer.name, "params");
+  if (edits)
+    post_layer(ui, index, std::move(changed), layer.name + ": " + ui.edited_key,
+               "params " + ui.edited_key);
   if (ended) ++ui.studio.drags;
 }
 

@@ -29,14 +29,19 @@ bool draw_numbers(Ui& ui, const char* label, std::vector<double>& values, const 
   ImGui::PushID(label);
   if (!each) {
     double one = values.empty() ? 1 : values.front();
-    changed = draw_number(label, one, param);
+    const float spacing = ImGui::GetStyle().ItemInnerSpacing.x;
+    const float button = ImGui::CalcTextSize("rgb").x + 2 * ImGui::GetStyle().FramePadding.x;
+    ImGui::SetNextItemWidth(std::max(1.0f, ImGui::CalcItemWidth() - button - spacing));
+    changed = draw_number("##one", one, param);
     if (changed) values = {one};
     mark(ui.probe, fmt::format("param/{}", label));
-    ImGui::SameLine();
-    if (ImGui::SmallButton("rgb")) {
+    ImGui::SameLine(0, spacing);
+    if (ImGui::Button("rgb", {button, 0})) {
       values = {one, one, one};
       changed = true;
     }
+    ImGui::SameLine(0, spacing);
+    ImGui::TextUnformatted(label);
     ImGui::PopID();
     return changed;
   }
@@ -112,7 +117,10 @@ bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ende
     ImGui::BeginGroup();
     const bool is_changed = draw_param(ui, key, param);
     ImGui::EndGroup();
-    if (is_changed) take_value(document, param, key);
+    if (is_changed) {
+      take_value(document, param, key);
+      ui.edited_key = key;
+    }
     changed |= is_changed;
     ended |= ImGui::IsItemDeactivatedAfterEdit();
     if (!std::holds_alternative<std::vector<double>*>(param.target)) mark(ui.probe, "param/" + key);

@@ -42,7 +42,7 @@ std::vector<std::uint8_t> encode_picture(const Image& image, double exposure) {
         const float value = scale * image.values[i * channels + std::min(c, channels - 1)];
         // Not a number becomes black.
         const float root = value > 0 ? std::sqrt(std::min(value, 1.0f)) : 0.0f;
-        rgba[4 * i + c] = codes[static_cast<std::size_t>(root * 4096.0f + 0.5f)];
+        rgba[4 * i + c] = codes[static_cast<std::size_t>(std::lrint(root * 4096.0f))];
       }
       rgba[4 * i + 3] = 255;
     }

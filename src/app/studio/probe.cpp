@@ -110,6 +110,8 @@ void describe_scene(Document& state, const Studio& studio) {
   set(state, "mesh", studio.mesh_path);
   set(state, "second", studio.second != nullptr ? studio.second->path : "");
   set(state, "homogeneous", studio.is_homogeneous);
+  set(state, "sigma_a",
+      Document::Array(studio.homogeneous.sigma_a.begin(), studio.homogeneous.sigma_a.end()));
   set(state, "yaw_deg", studio.orbit.yaw_deg);
   set(state, "distance_mm", studio.orbit.distance_mm);
   set(state, "azimuth_deg", studio.lighting.azimuth_deg);

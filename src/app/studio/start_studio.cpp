@@ -1,11 +1,12 @@
 // The first state of the editor, and what it keeps between runs: recent files, the layout, and the
 // recipe of a run that ended badly.
 #include <fmt/format.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <csignal>
 #include <filesystem>
 #include <utility>
 

@@ -102,7 +102,6 @@ struct Studio {
   std::shared_ptr<const Material> original;  // before all edits
   std::shared_ptr<const SliceSource> table;  // what the map was fitted to, if known
   std::string material_path, recipe_path;
-  bool is_homogeneous = false;
   HomogeneousControls homogeneous;
   std::shared_ptr<const SecondMaterial> second;
   std::optional<std::size_t> selected_layer;
@@ -115,13 +114,11 @@ struct Studio {
   Lighting lighting;
   double exposure = 0;
   ViewMode mode = ViewMode::shaded;
-  bool show_selection = false;
   int view_width = 640, view_height = 480;  // of the 3-D view, in pixels
   double interactive_scale = 0.5;
   Still still = Still::exact;
 
   // Precomputed transport of the stage, for homogeneous materials (transport_job.h).
-  bool use_transport = true;
   std::optional<PrecomputeParams> transport_params;  // none: by the size of the mesh
   std::shared_ptr<const ReadyTransport> transport;
   std::optional<TransportKey> transport_under_way;
@@ -129,19 +126,15 @@ struct Studio {
 
   // What was asked for last, and what is shown.
   std::uint64_t request_id = 0;
-  bool request_is_fine = false;
   double last_change_s = 0;  // when something was changed last
-  bool is_stale = true;      // something changed since the last request
   std::shared_ptr<const Picture> picture;
   std::shared_ptr<const Picture> refined;         // by the CPU renderer, of the same request
   double edit_started_s = -1, edit_shown_ms = 0;  // from an edit to its picture
 
   // Flat view.
   FlatMode flat_mode = FlatMode::albedo;
-  bool flat_shows_second = false;
   std::shared_ptr<const Image> flat_picture;  // linear, of the map's size
   std::uint64_t flat_id = 0;                  // grows with each picture
-  bool flat_is_stale = true;
   MapPixel beam;
 
   // Tools.
@@ -162,12 +155,21 @@ struct Studio {
   std::optional<std::size_t> shown_compressed;
 
   std::deque<Message> messages;
-  bool notice_is_seen = true;  // of the last error
   std::vector<std::string> recent;
   std::optional<std::string> recoverable;  // path of an autosaved recipe
-  bool is_held = false;                    // a mouse button: what is being dragged is no entry yet
   std::uint64_t drags = 0;  // finished ones: a drag of a slider is one entry of the history
   double now_s = 0;
+
+  // What is on, and what is old.
+  bool is_homogeneous = false;
+  bool show_selection = false;
+  bool use_transport = true;
+  bool request_is_fine = false;
+  bool is_stale = true;  // something changed since the last request
+  bool flat_shows_second = false;
+  bool flat_is_stale = true;
+  bool notice_is_seen = true;  // of the last error
+  bool is_held = false;        // a mouse button: what is being dragged is no entry yet
 
   Jobs jobs;  // last: what runs ends before what it looks at
 };

@@ -45,6 +45,7 @@ struct Ui {
   // The layer whose text is being edited, and the text.
   std::optional<std::size_t> text_layer;
   std::string text;
+  std::string edited_key;                         // of the parameter that was changed last
   std::optional<double> shape_drag;               // the point of the shape curve that is held
   std::vector<std::array<float, 2>> view_stroke;  // a stroke on the mesh, on the screen
 };
