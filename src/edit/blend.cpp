@@ -18,35 +18,34 @@ struct Source {
   AlignedVector<float> rows;
   alignas(64) double albedo[shape_lanes];
   alignas(64) double range_mm[shape_lanes];
+  ShapeTails tails;                          // of the rows
+  alignas(64) float log_scale[shape_lanes];  // ln S - ln P
 };
+
+void finish_source(const KnotTable& knots, Source& source) {
+  find_tails(knots, source.rows.data(), source.range_mm, &source.tails);
+  fill_log_scales(source.range_mm, source.albedo, source.log_scale);
+}
 
 // S' = (1 - w) S_d + w S_s at u = r_k / alpha', 1 / alpha' = (1 - w) / alpha_d + w / alpha_s: the
 // knots of the mixture lie between those of both, in units of the range.
 void mix_shapes(const KnotTable& knots, const ShapeBlock& target, const Source& source,
                 double amount, float* rows) {
-  alignas(64) float weight[shape_lanes], target_scale[shape_lanes], source_scale[shape_lanes],
-      target_shift[shape_lanes], source_shift[shape_lanes], a[shape_lanes], b[shape_lanes];
-  for (std::size_t i = 0; i < shape_lanes; ++i) {
-    const double w = amount * static_cast<double>(target.amount[i]);
-    const double inverse = (1 - w) / target.range_mm[i] + w / source.range_mm[i];
-    weight[i] = static_cast<float>(w);
-    target_scale[i] = static_cast<float>(target.range_mm[i] * inverse);
-    source_scale[i] = static_cast<float>(source.range_mm[i] * inverse);
-  }
-  fill_log_scales(target.range_mm, target.albedo, target_shift);
-  fill_log_scales(source.range_mm, source.albedo, source_shift);
-  const ShapeTails target_tails = find_tails(knots, target.rows),
-                   source_tails = find_tails(knots, source.rows.data());
-  const ShapeRows from_target = view_rows(knots, target.rows, target_tails),
-                  from_source = view_rows(knots, source.rows.data(), source_tails);
-  for (std::size_t k = 0; k < knots.radius.size(); ++k) {
-    float* row = rows + k * shape_lanes;
-    sample_shapes(&from_target, knots.radius_float[k], target_scale, a);
-    sample_shapes(&from_source, knots.radius_float[k], source_scale, b);
-    mix_shape_rows(a, target_shift, b, source_shift, weight, row);
-    for (std::size_t i = 0; i < shape_lanes; ++i)
-      if (weight[i] == 1) row[i] = source.rows[k * shape_lanes + i];
-  }
+  const std::size_t n = knots.radius.size();
+  alignas(64) float target_log_scale[shape_lanes];
+  MixScales scales;
+  fill_mix_scales(target.range_mm, source.range_mm, target.amount, amount, &scales);
+  fill_log_scales(target.range_mm, target.albedo, target_log_scale);
+  ShapeTails target_tails;
+  find_tails(knots, target.rows, target.range_mm, &target_tails);
+  AlignedVector<float> a(n * shape_lanes), b(n * shape_lanes);
+  sample_shapes(view_rows(knots, target.rows, target_tails), scales.first, a.data());
+  sample_shapes(view_rows(knots, source.rows.data(), source.tails), scales.second, b.data());
+  for (std::size_t at = 0; at < n * shape_lanes; at += shape_lanes)
+    mix_shape_rows(&a[at], target_log_scale, &b[at], source.log_scale, scales.weight, rows + at);
+  for (std::size_t i = 0; i < shape_lanes; ++i)
+    if (scales.weight[i] == 1)
+      for (std::size_t at = i; at < n * shape_lanes; at += shape_lanes) rows[at] = source.rows[at];
 }
 
 // before + amount mask (source - before)
@@ -151,6 +150,7 @@ void apply(const BlendAmounts& amounts, const EditState& source,
            (source_pixel.empty() ? 0 : source_pixel[i % pixels]);
   };
   const Plane albedo = albedo_plane(source), range = range_plane(source);
+  const KnotTable knots = make_knot_table(state.knots_mm);
   const auto load = [&](std::size_t channel, const auto& pixel_at, Source& out) {
     out.rows = AlignedVector<float>(n * shape_lanes);
     for (std::size_t i = 0; i < shape_lanes; ++i) {
@@ -161,6 +161,7 @@ void apply(const BlendAmounts& amounts, const EditState& source,
         out.rows[k * shape_lanes + i] =
             source.shapes->log_profile[(channel * n + k) * source.pixels() + pixel];
     }
+    finish_source(knots, out);
   };
   std::vector<Source> same;  // of each channel, where all pixels take from one
   if (source_pixel.empty()) {

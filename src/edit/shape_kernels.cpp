@@ -43,21 +43,17 @@ PARIAN_HOT void note_crossing(const float* PARIAN_RESTRICT before, const float* 
   }
 }
 
-PARIAN_HOT void finish_tails(const float* PARIAN_RESTRICT top, const float* PARIAN_RESTRICT before,
-                             const float* PARIAN_RESTRICT end, float last_radius, float last_length,
-                             ShapeTails* PARIAN_RESTRICT tails) {
-  const auto least = static_cast<float>(-min_tail_decay) / last_radius;
-  const float limit = static_cast<float>(support_limit) * last_radius;
+PARIAN_HOT void finish_tails(const float* PARIAN_RESTRICT before, const float* PARIAN_RESTRICT end,
+                             const double* PARIAN_RESTRICT range_mm, double last_radius,
+                             float inverse_length, ShapeTails* PARIAN_RESTRICT tails) {
+  const auto least = static_cast<float>(-min_tail_decay / last_radius);
   for (std::size_t i = 0; i < shape_lanes; ++i) {
-    const float last_slope = (end[i] - before[i]) / last_length;
-    const float slope = last_slope < least ? last_slope : least;
-    const float level = top[i] - log_of_threshold;
-    const float crossing = last_radius + (level - end[i]) / slope;
-    float support = end[i] > level ? crossing : last_radius;
-    support = support < limit ? support : limit;
-    tails->slope[i] = slope;
-    // A little more, so that rounding never cuts off the last knot.
-    tails->support[i] = 1.00001f * support;
+    const float last_slope = (end[i] - before[i]) * inverse_length;
+    tails->slope[i] = last_slope < least ? last_slope : least;
+    // Where P falls through the threshold beyond the last knot, or that; and a little more, so that
+    // rounding never cuts off the last knot.
+    const double support = range_mm[i] > last_radius ? range_mm[i] : last_radius;
+    tails->support[i] = 1.00001f * static_cast<float>(support);
   }
 }
 
@@ -71,47 +67,16 @@ PARIAN_HOT void fill_log_scales(const double* PARIAN_RESTRICT range,
     out[i] = fast_log(static_cast<float>(two_pi * range[i] * range[i] / albedo[i]));
 }
 
-namespace {
-
-// The common case without a search. Nothing branches, so that lanes stay side by side.
-PARIAN_HOT void sample_uniform_knots(const ShapeRows* rows, float radius,
-                                     const float* PARIAN_RESTRICT scale,
-                                     float* PARIAN_RESTRICT out) {
-  const int last = rows->knots - 1;
-  const float end = rows->radius[last], per_mm = rows->knots_per_mm;
-  const float* PARIAN_RESTRICT value = rows->value;
-  const float* PARIAN_RESTRICT slope = rows->tail_slope;
-  const float* PARIAN_RESTRICT support = rows->support;
-  for (int i = 0; i < static_cast<int>(shape_lanes); ++i) {
-    const float r = radius * scale[i];
-    const float inside = r < end ? r : end;
-    const float place = inside * per_mm;
-    int k = static_cast<int>(place);
-    k = k < last - 1 ? k : last - 1;
-    const float w = place - static_cast<float>(k);
-    const int at = k * static_cast<int>(shape_lanes) + i;
-    const float a = value[at], b = value[at + static_cast<int>(shape_lanes)];
-    const float y = a + w * (b - a) + (r - inside) * slope[i];
-    out[i] = r <= support[i] ? y : log_of_zero;
-  }
-}
-
-}  // namespace
-
-void sample_shapes(const ShapeRows* rows, float radius, const float* scale, float* out) {
-  if (rows->knots_per_mm > 0) return sample_uniform_knots(rows, radius, scale, out);
-  const int last = rows->knots - 1;
-  const float end = rows->radius[last];
+PARIAN_HOT void fill_mix_scales(const double* PARIAN_RESTRICT range_1,
+                                const double* PARIAN_RESTRICT range_2,
+                                const float* PARIAN_RESTRICT part, double amount,
+                                MixScales* PARIAN_RESTRICT scales) {
   for (std::size_t i = 0; i < shape_lanes; ++i) {
-    const float r = radius * scale[i];
-    const float inside = r < end ? r : end;
-    int k = rows->segment_of_bin[static_cast<int>(inside * rows->bins_per_mm)];
-    while (k + 1 < last && inside >= rows->radius[k + 1]) ++k;
-    const float w = (inside - rows->radius[k]) / (rows->radius[k + 1] - rows->radius[k]);
-    const float a = rows->value[static_cast<std::size_t>(k) * shape_lanes + i];
-    const float b = rows->value[static_cast<std::size_t>(k + 1) * shape_lanes + i];
-    const float y = a + w * (b - a) + (r - inside) * rows->tail_slope[i];
-    out[i] = r <= rows->support[i] ? y : log_of_zero;
+    const double w = amount * static_cast<double>(part[i]);
+    const double inverse = (1 - w) / range_1[i] + w / range_2[i];
+    scales->weight[i] = static_cast<float>(w);
+    scales->first[i] = static_cast<float>(range_1[i] * inverse);
+    scales->second[i] = static_cast<float>(range_2[i] * inverse);
   }
 }
 
