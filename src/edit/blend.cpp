@@ -29,7 +29,7 @@ void finish_source(const KnotTable& knots, Source& source) {
 
 // S' = (1 - w) S_d + w S_s at u = r_k / alpha', 1 / alpha' = (1 - w) / alpha_d + w / alpha_s: the
 // knots of the mixture lie between those of both, in units of the range.
-void mix_shapes(const KnotTable& knots, const ShapeBlock& target, const Source& source,
+void mix_block(const KnotTable& knots, const ShapeBlock& target, const Source& source,
                 double amount, float* rows) {
   const std::size_t n = knots.radius.size();
   alignas(64) float target_log_scale[shape_lanes];
@@ -41,31 +41,33 @@ void mix_shapes(const KnotTable& knots, const ShapeBlock& target, const Source& 
   AlignedVector<float> a(n * shape_lanes), b(n * shape_lanes);
   sample_shapes(view_rows(knots, target.rows, target_tails), scales.first, a.data());
   sample_shapes(view_rows(knots, source.rows.data(), source.tails), scales.second, b.data());
-  for (std::size_t at = 0; at < n * shape_lanes; at += shape_lanes)
-    mix_shape_rows(&a[at], target_log_scale, &b[at], source.log_scale, scales.weight, rows + at);
+  mix_shapes(a.data(), target_log_scale, b.data(), source.log_scale, scales.weight, n, rows);
   for (std::size_t i = 0; i < shape_lanes; ++i)
     if (scales.weight[i] == 1)
       for (std::size_t at = i; at < n * shape_lanes; at += shape_lanes) rows[at] = source.rows[at];
 }
 
-// before + amount mask (source - before)
+// before + amount mask (source - before), source(channel, pixel)
 template <typename Get>
 Plane mix_planes(const EditState& state, const Plane& before, const Mask& mask, double amount,
                  const Get& source) {
   Plane mixed(before.size());
-  const std::size_t pixels = state.pixels();
-  parallel_for_blocks(before.size(), block, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const double w = amount * static_cast<double>(mask.weight[i % pixels]);
-      mixed[i] = (1 - w) * before[i] + w * source(i);
-      if (w == 0) mixed[i] = before[i];
+  const std::size_t pixels = state.pixels(), blocks = (pixels + block - 1) / block;
+  parallel_for(blocks * static_cast<std::size_t>(state.channels), [&](std::size_t b) {
+    const std::size_t channel = b / blocks, first = b % blocks * block;
+    const double* from = &before[channel * pixels];
+    double* to = &mixed[channel * pixels];
+    for (std::size_t i = first; i < std::min(first + block, pixels); ++i) {
+      const double w = amount * static_cast<double>(mask.weight[i]);
+      const double sum = (1 - w) * from[i] + w * source(channel, i);
+      to[i] = w == 0 ? from[i] : sum;
     }
   });
   return mixed;
 }
 
-// get_albedo(i), get_range(i): the source's properties for value i; fill(block, own): what the
-// block mixes in, made in `own` where it is not there already.
+// get_albedo(channel, pixel), get_range(...): the source's properties there; fill(block, own): what
+// the block mixes in, made in `own` where it is not there already.
 template <typename GetAlbedo, typename GetRange, typename Fill>
 void blend(const BlendAmounts& amounts, EditState& state, const Mask& mask, EditReport& report,
            const GetAlbedo& get_albedo, const GetRange& get_range, const Fill& fill) {
@@ -83,7 +85,7 @@ void blend(const BlendAmounts& amounts, EditState& state, const Mask& mask, Edit
   reshape(state, mask.weight, [&](const ShapeBlock& target, float* rows) {
     Source own;
     const Source* source = fill(target, own);
-    mix_shapes(knots, target, *source, amounts.shape, rows);
+    mix_block(knots, target, *source, amounts.shape, rows);
   });
 }
 
@@ -143,11 +145,11 @@ void apply(const BlendAmounts& amounts, const EditState& source,
   PARIAN_CHECK(source_pixel.empty() || source_pixel.size() == state.pixels());
   PARIAN_CHECK(source.channels == state.channels || source.channels == 1);
   PARIAN_CHECK(has_same_spacing(source.knots_mm, state.knots_mm));
-  const std::size_t pixels = state.pixels(), n = state.knots_mm.size();
+  const std::size_t n = state.knots_mm.size();
   const auto channel_of = [&](std::size_t channel) { return source.channels == 1 ? 0 : channel; };
-  const auto index = [&](std::size_t i) {
-    return channel_of(i / pixels) * source.pixels() +
-           (source_pixel.empty() ? 0 : source_pixel[i % pixels]);
+  const auto index = [&](std::size_t channel, std::size_t pixel) {
+    return channel_of(channel) * source.pixels() +
+           (source_pixel.empty() ? 0 : source_pixel[pixel]);
   };
   const Plane albedo = albedo_plane(source), range = range_plane(source);
   const KnotTable knots = make_knot_table(state.knots_mm);
@@ -182,8 +184,9 @@ void apply(const BlendAmounts& amounts, const EditState& source,
     return &own;
   };
   blend(
-      amounts, state, mask, report, [&](std::size_t i) { return albedo[index(i)]; },
-      [&](std::size_t i) { return range[index(i)]; }, fill);
+      amounts, state, mask, report,
+      [&](std::size_t channel, std::size_t pixel) { return albedo[index(channel, pixel)]; },
+      [&](std::size_t channel, std::size_t pixel) { return range[index(channel, pixel)]; }, fill);
 }
 
 }  // namespace parian

@@ -22,8 +22,9 @@ struct ShapeCrossings {
   alignas(64) float top[shape_lanes];      // largest ln P
   alignas(64) float segment[shape_lanes];  // its index, whole; -1: none so far
 };
-// segment = index where ln P falls through the level from `before` to `row`.
-void note_crossing(const float* before, const float* row, float index, ShapeCrossings* crossings);
+// Of all lanes of the rows; as sum_segments.
+void find_crossings(const float* rows, std::size_t stride, std::size_t knots,
+                    ShapeCrossings* crossings);
 
 // The tail beyond the last knot, from ln P there and at the knot before.
 void finish_shapes(const float* before, const float* end, double last_radius, double last_length,
@@ -51,7 +52,6 @@ void find_tails(const KnotTable& knots, const float* rows, const double* range_m
 // From ln P before the last knot and at it.
 void finish_tails(const float* before, const float* end, const double* range_mm,
                   double last_radius, float inverse_length, ShapeTails* tails);
-void raise_row(const float* row, float* top);
 // ln(alpha^2 / C) of 2 pi C and alpha: what turns ln P into ln S.
 void fill_log_scales(const double* range, const double* albedo, float* out);
 // Refers to all three.
@@ -70,9 +70,9 @@ struct MixScales {
 void fill_mix_scales(const double* range_1, const double* range_2, const float* part,
                      double amount, MixScales* scales);
 
-// out = ln((1 - w) e^(a + a_shift) + w e^(b + b_shift)), lane by lane.
-void mix_shape_rows(const float* a, const float* a_shift, const float* b, const float* b_shift,
-                    const float* w, float* out);
+// Rows of ln((1 - w) e^(a + a_shift) + w e^(b + b_shift)), lane by lane.
+void mix_shapes(const float* a, const float* a_shift, const float* b, const float* b_shift,
+                const float* w, std::size_t knots, float* out);
 
 // S' = scale(u) S0 (S / S0)^exponent + offset(u), per lane interpolated by `amount`.
 struct ShapeCurves {

@@ -79,13 +79,9 @@ void measure_shapes(const KnotTable& knots, const float* log_value, std::size_t 
   const std::size_t n = knots.radius.size();
   const BlockRows rows(log_value, stride, count, n);
   ShapeCrossings crossings;
-  std::copy_n(rows[0], shape_lanes, crossings.top);
-  std::fill_n(crossings.segment, shape_lanes, -1.0f);
-  for (std::size_t k = 1; k < n; ++k) raise_row(rows[k], crossings.top);
+  find_crossings(rows[0], rows.stride(), n, &crossings);
   ShapeSums sums;
   sum_segments(rows[0], rows.stride(), knots.radius.data(), n, &sums);
-  for (std::size_t k = 1; k < n; ++k)
-    note_crossing(rows[k - 1], rows[k], static_cast<float>(k - 1), &crossings);
   finish_shapes(rows[n - 2], rows[n - 1], knots.radius[n - 1],
                 knots.radius[n - 1] - knots.radius[n - 2], &crossings, &sums);
   std::copy_n(sums.integral, count, albedo);

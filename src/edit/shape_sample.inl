@@ -1,21 +1,5 @@
-// sample_shapes for one instruction set, in namespace PARIAN_VECTOR_SPACE with
-// vectors of PARIAN_VECTOR_BYTES.
+// sample_shapes and mix_shapes for one instruction set, on shape_vectors.inl.
 namespace parian::PARIAN_VECTOR_SPACE {
-namespace {
-
-using FloatLanes = float __attribute__((vector_size(PARIAN_VECTOR_BYTES)));
-using IntLanes = std::int32_t __attribute__((vector_size(PARIAN_VECTOR_BYTES)));
-constexpr std::size_t float_lanes = PARIAN_VECTOR_BYTES / sizeof(float);
-
-[[gnu::always_inline]] inline FloatLanes load_floats(const float* from) {
-  FloatLanes row;
-  std::memcpy(&row, from, sizeof row);
-  return row;
-}
-
-[[gnu::always_inline]] inline FloatLanes fill_floats(float x) { return x - FloatLanes{}; }
-
-}  // namespace
 
 // The places radius[k] * scale of neighbouring lanes lie in few segments: those between the segment
 // of the smallest and that of the largest scale are looked through, in place of a search per lane.
@@ -49,6 +33,32 @@ void sample_shapes(const ShapeRows& rows, const float* scale, float* out) {
       const FloatLanes row = r <= support ? y : fill_floats(log_of_zero);
       std::memcpy(out + k * shape_lanes + i, &row, sizeof row);
     }
+  }
+}
+
+void mix_shapes(const float* a, const float* a_shift, const float* b, const float* b_shift,
+                const float* w, std::size_t knots, float* out) {
+  for (std::size_t k = 0; k < knots; ++k) {
+    alignas(64) float top[shape_lanes], of_top[shape_lanes], low[shape_lanes];
+    for (std::size_t i = 0; i < shape_lanes; i += float_lanes) {
+      const std::size_t at = k * shape_lanes + i;
+      const FloatLanes ya = load_floats(a + at) + load_floats(a_shift + i),
+                       yb = load_floats(b + at) + load_floats(b_shift + i),
+                       of_b = load_floats(w + i);
+      const IntLanes first = ya > yb;  // the larger of both counts as 1
+      const FloatLanes larger = first ? ya : yb, part = first ? 1.0f - of_b : of_b;
+      const FloatLanes below = (first ? yb : ya) - larger;
+      const FloatLanes cut = below < -80.0f ? fill_floats(-80.0f) : below;
+      std::memcpy(top + i, &larger, sizeof larger);
+      std::memcpy(of_top + i, &part, sizeof part);
+      std::memcpy(low + i, &cut, sizeof cut);
+    }
+    FloatRow part, x, sum;
+    std::memcpy(&part, of_top, sizeof part);
+    std::memcpy(&x, low, sizeof x);
+    std::memcpy(&sum, top, sizeof sum);
+    sum += log_of_normal<FloatRow, IntRow>(part + (1.0f - part) * exp_of_small<FloatRow, IntRow>(x));
+    std::memcpy(out + k * shape_lanes, &sum, sizeof sum);
   }
 }
 

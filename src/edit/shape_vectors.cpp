@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "edit/shape_kernels.h"
+#include "math/fast_log.h"
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(PARIAN_NO_CLONES)
 #define PARIAN_VECTOR_VARIANTS 1
@@ -19,6 +20,7 @@
 
 #define PARIAN_VECTOR_SPACE vectors_baseline
 #define PARIAN_VECTOR_BYTES 32
+#include "edit/shape_vectors.inl"
 #include "edit/shape_measure.inl"
 #include "edit/shape_sample.inl"
 #undef PARIAN_VECTOR_SPACE
@@ -27,6 +29,7 @@
 #pragma GCC push_options
 #pragma GCC target("avx2")
 #define PARIAN_VECTOR_SPACE vectors_avx2
+#include "edit/shape_vectors.inl"
 #include "edit/shape_measure.inl"
 #include "edit/shape_sample.inl"
 #undef PARIAN_VECTOR_SPACE
@@ -37,6 +40,7 @@
 #pragma GCC target("avx512f")
 #define PARIAN_VECTOR_SPACE vectors_avx512
 #define PARIAN_VECTOR_BYTES 64
+#include "edit/shape_vectors.inl"
 #include "edit/shape_measure.inl"
 #include "edit/shape_sample.inl"
 #undef PARIAN_VECTOR_SPACE
@@ -75,6 +79,10 @@ void sum_segments(const float* rows, std::size_t stride, const double* radius, s
                   ShapeSums* sums) {
   PARIAN_VECTOR_CALL(sum_segments, rows, stride, radius, knots, sums);
 }
+void find_crossings(const float* rows, std::size_t stride, std::size_t knots,
+                    ShapeCrossings* crossings) {
+  PARIAN_VECTOR_CALL(find_crossings, rows, stride, knots, crossings);
+}
 void finish_shapes(const float* before, const float* end, double last_radius, double last_length,
                    const ShapeCrossings* crossings, ShapeSums* sums) {
   PARIAN_VECTOR_CALL(finish_shapes, before, end, last_radius, last_length, crossings, sums);
@@ -82,6 +90,11 @@ void finish_shapes(const float* before, const float* end, double last_radius, do
 
 void sample_shapes(const ShapeRows& rows, const float* scale, float* out) {
   PARIAN_VECTOR_CALL(sample_shapes, rows, scale, out);
+}
+
+void mix_shapes(const float* a, const float* a_shift, const float* b, const float* b_shift,
+                const float* w, std::size_t knots, float* out) {
+  PARIAN_VECTOR_CALL(mix_shapes, a, a_shift, b, b_shift, w, knots, out);
 }
 
 }  // namespace parian
