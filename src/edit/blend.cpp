@@ -38,10 +38,10 @@ void mix_block(const KnotTable& knots, const ShapeBlock& target, const Source& s
   fill_log_scales(target.range_mm, target.albedo, target_log_scale);
   ShapeTails target_tails;
   find_tails(knots, target.rows, target.range_mm, &target_tails);
-  AlignedVector<float> a(n * shape_lanes), b(n * shape_lanes);
-  sample_shapes(view_rows(knots, target.rows, target_tails), scales.first, a.data());
-  sample_shapes(view_rows(knots, source.rows.data(), source.tails), scales.second, b.data());
-  mix_shapes(a.data(), target_log_scale, b.data(), source.log_scale, scales.weight, n, rows);
+  float *const a = target.scratch, *const b = a + n * shape_lanes;
+  sample_shapes(view_rows(knots, target.rows, target_tails), scales.first, a);
+  sample_shapes(view_rows(knots, source.rows.data(), source.tails), scales.second, b);
+  mix_shapes(a, target_log_scale, b, source.log_scale, scales.weight, n, rows);
   for (std::size_t i = 0; i < shape_lanes; ++i)
     if (scales.weight[i] == 1)
       for (std::size_t at = i; at < n * shape_lanes; at += shape_lanes) rows[at] = source.rows[at];

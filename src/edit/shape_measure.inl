@@ -39,49 +39,60 @@ template <typename Vector, typename Whole>
 }
 
 // int exp(y) r dr over the segment of length h about radius m where y rises by beta and P = e^y
-// from p0 to p1: h (m I0 + h I1), I0 = int_{-1/2}^{1/2} P(t) dt = (p1 - p0) / beta and
+// from p0 to p1: h m I0 + h^2 I1, I0 = int_{-1/2}^{1/2} P(t) dt = (p1 - p0) / beta and
 // I1 = int t P dt = ((p0 + p1) / 2 - I0) / beta; near beta = 0 their series, 6e-14 or better.
-[[gnu::always_inline]] inline Lanes integrate_lanes(Lanes m, Lanes h, Lanes beta, Lanes p0,
+constexpr double least_square = 0.0025;  // of beta, for the closed form
+template <bool is_steep>
+[[gnu::always_inline]] inline Lanes integrate_lanes(Lanes hm, Lanes hh, Lanes beta, Lanes p0,
                                                     Lanes p1) {
-  constexpr double limit = 0.0025;
-  const Lanes z = beta * beta, middle = 0.5 * (p0 + p1);
-  const Lanes inverse = 1.0 / beta;
+  const Lanes middle = 0.5 * (p0 + p1), inverse = 1.0 / beta;
   Lanes i0 = (p1 - p0) * inverse;
   Lanes i1 = (middle - i0) * inverse;
-  if (any_below(z, limit)) {
-    const WholeLanes small = z < limit;
+  if constexpr (!is_steep) {
+    const Lanes z = beta * beta;
+    const WholeLanes small = z < least_square;
     const Lanes series0 = 1.0 + z * (-1.0 / 12 + z * (1.0 / 120 + z * (-17.0 / 20160)));
     const Lanes series1 = 1.0 / 12 + z * (-1.0 / 120 + z * (17.0 / 20160));
     i0 = small ? middle * series0 : i0;
     i1 = small ? middle * beta * series1 : i1;
   }
-  return h * (m * i0 + h * i1);
+  return hm * i0 + hh * i1;
+}
+
+// Adds the segments of all lanes that rise by `rise`.
+constexpr std::size_t vectors = shape_lanes / lanes;
+template <bool is_steep>
+[[gnu::always_inline]] inline void add_segments(Lanes hm, Lanes hh, const Lanes* rise,
+                                                const Lanes* p0, const Lanes* p1, Lanes* sum) {
+  for (std::size_t i = 0; i < vectors; ++i)
+    sum[i] += integrate_lanes<is_steep>(hm, hh, rise[i], p0[i], p1[i]);
 }
 
 }  // namespace
 
 void sum_segments(const float* rows, std::size_t stride, const double* radius, std::size_t knots,
                   ShapeSums* sums) {
-  constexpr std::size_t vectors = shape_lanes / lanes;
-  Lanes y[vectors], p[vectors], rise[vectors], next[vectors], sum[vectors]{};
+  Lanes y[vectors], rise[vectors], values[2][vectors], sum[vectors]{};
   for (std::size_t i = 0; i < vectors; ++i) y[i] = load_lanes(rows + i * lanes);
-  exp_block(y, p);
+  exp_block(y, values[0]);
   for (std::size_t k = 1; k < knots; ++k) {
-    const float* row = rows + k * stride;
+    const Lanes* before = values[(k - 1) % 2];
+    Lanes* here = values[k % 2];
+    Lanes least = fill_lanes(least_square);
     for (std::size_t i = 0; i < vectors; ++i) {
-      const Lanes here = load_lanes(row + i * lanes);
-      rise[i] = here - y[i];
-      y[i] = here;
+      const Lanes row = load_lanes(rows + k * stride + i * lanes);
+      rise[i] = row - y[i];
+      least = least_of(least, rise[i] * rise[i]);
+      y[i] = row;
     }
-    exp_block(y, next);
-    const Lanes middle = fill_lanes(0.5 * (radius[k - 1] + radius[k])),
-                length = fill_lanes(radius[k] - radius[k - 1]);
-    for (std::size_t i = 0; i < vectors; ++i) {
-      sum[i] += integrate_lanes(middle, length, rise[i], p[i], next[i]);
-      p[i] = next[i];
-    }
+    exp_block(y, here);
+    const double h = radius[k] - radius[k - 1], m = 0.5 * (radius[k - 1] + radius[k]);
+    if (any_below(least, least_square))
+      add_segments<false>(fill_lanes(h * m), fill_lanes(h * h), rise, before, here, sum);
+    else
+      add_segments<true>(fill_lanes(h * m), fill_lanes(h * h), rise, before, here, sum);
   }
-  std::memcpy(sums->value, p, sizeof p);
+  std::memcpy(sums->value, values[(knots - 1) % 2], sizeof values[0]);
   std::memcpy(sums->integral, sum, sizeof sum);
 }
 
@@ -120,7 +131,7 @@ void finish_shapes(const float* before, const float* end, double last_radius, do
     tail = y > level ? tail : Lanes{};
     const Lanes beta = slope * tail, p0 = load_lanes(sums->value + i);
     const Lanes more =
-        integrate_lanes(last_radius + 0.5 * tail, tail, beta, p0, p0 * exp_vector<Lanes, WholeLanes>(clamp_lanes(beta)));
+        integrate_lanes<false>(tail * (last_radius + 0.5 * tail), tail * tail, beta, p0, p0 * exp_vector<Lanes, WholeLanes>(clamp_lanes(beta)));
     const Lanes total = 2 * std::numbers::pi * (load_lanes(sums->integral + i) + more);
     std::memcpy(&sums->integral[i], &total, sizeof total);
     std::memcpy(&sums->tail[i], &tail, sizeof tail);
