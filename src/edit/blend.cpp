@@ -30,7 +30,7 @@ void finish_source(const KnotTable& knots, Source& source) {
 // S' = (1 - w) S_d + w S_s at u = r_k / alpha', 1 / alpha' = (1 - w) / alpha_d + w / alpha_s: the
 // knots of the mixture lie between those of both, in units of the range.
 void mix_block(const KnotTable& knots, const ShapeBlock& target, const Source& source,
-                double amount, float* rows) {
+               double amount, float* rows) {
   const std::size_t n = knots.radius.size();
   alignas(64) float target_log_scale[shape_lanes];
   MixScales scales;
@@ -148,8 +148,7 @@ void apply(const BlendAmounts& amounts, const EditState& source,
   const std::size_t n = state.knots_mm.size();
   const auto channel_of = [&](std::size_t channel) { return source.channels == 1 ? 0 : channel; };
   const auto index = [&](std::size_t channel, std::size_t pixel) {
-    return channel_of(channel) * source.pixels() +
-           (source_pixel.empty() ? 0 : source_pixel[pixel]);
+    return channel_of(channel) * source.pixels() + (source_pixel.empty() ? 0 : source_pixel[pixel]);
   };
   const Plane albedo = albedo_plane(source), range = range_plane(source);
   const KnotTable knots = make_knot_table(state.knots_mm);

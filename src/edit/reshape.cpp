@@ -34,9 +34,10 @@ PARIAN_HOT void select_rows(const float* PARIAN_RESTRICT amount,
 }
 
 // Where amount > 0: value = now, factor *= before / now.
-PARIAN_HOT void move_value(const float* PARIAN_RESTRICT amount, const double* PARIAN_RESTRICT before,
-                           const double* PARIAN_RESTRICT now, double* PARIAN_RESTRICT value,
-                           double* PARIAN_RESTRICT factor, std::size_t count) {
+PARIAN_HOT void move_value(const float* PARIAN_RESTRICT amount,
+                           const double* PARIAN_RESTRICT before, const double* PARIAN_RESTRICT now,
+                           double* PARIAN_RESTRICT value, double* PARIAN_RESTRICT factor,
+                           std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const double ratio = before[i] / now[i];
     value[i] = amount[i] > 0 ? now[i] : value[i];

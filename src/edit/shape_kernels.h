@@ -50,8 +50,8 @@ struct ShapeTails {
 void find_tails(const KnotTable& knots, const float* rows, const double* range_mm,
                 ShapeTails* tails);
 // From ln P before the last knot and at it.
-void finish_tails(const float* before, const float* end, const double* range_mm,
-                  double last_radius, float inverse_length, ShapeTails* tails);
+void finish_tails(const float* before, const float* end, const double* range_mm, double last_radius,
+                  float inverse_length, ShapeTails* tails);
 // ln(alpha^2 / C) of 2 pi C and alpha: what turns ln P into ln S.
 void fill_log_scales(const double* range, const double* albedo, float* out);
 // Refers to all three.
@@ -67,8 +67,8 @@ struct MixScales {
   alignas(64) float first[shape_lanes];
   alignas(64) float second[shape_lanes];
 };
-void fill_mix_scales(const double* range_1, const double* range_2, const float* part,
-                     double amount, MixScales* scales);
+void fill_mix_scales(const double* range_1, const double* range_2, const float* part, double amount,
+                     MixScales* scales);
 
 // Rows of ln((1 - w) e^(a + a_shift) + w e^(b + b_shift)), lane by lane.
 void mix_shapes(const float* a, const float* a_shift, const float* b, const float* b_shift,

@@ -18,8 +18,8 @@ template <typename Vector, typename Whole>
   const Vector high =
       (2.4801504346997687e-5 + f * 2.7640180796209851e-6) + f2 * 2.7626357241447223e-7;
   const Vector p = low + f4 * (middle + f4 * high);
-  const Whole power = std::bit_cast<Whole>(shifted) << 52;
-  return std::bit_cast<Vector>(std::bit_cast<Whole>(p) + power);
+  const Whole power = __builtin_bit_cast(Whole, shifted) << 52;
+  return __builtin_bit_cast(Vector, __builtin_bit_cast(Whole, p) + power);
 }
 
 [[gnu::always_inline]] inline Lanes clamp_lanes(Lanes x) {
@@ -131,7 +131,8 @@ void finish_shapes(const float* before, const float* end, double last_radius, do
     tail = y > level ? tail : Lanes{};
     const Lanes beta = slope * tail, p0 = load_lanes(sums->value + i);
     const Lanes more =
-        integrate_lanes<false>(tail * (last_radius + 0.5 * tail), tail * tail, beta, p0, p0 * exp_vector<Lanes, WholeLanes>(clamp_lanes(beta)));
+        integrate_lanes<false>(tail * (last_radius + 0.5 * tail), tail * tail, beta, p0,
+                               p0 * exp_vector<Lanes, WholeLanes>(clamp_lanes(beta)));
     const Lanes total = 2 * std::numbers::pi * (load_lanes(sums->integral + i) + more);
     std::memcpy(&sums->integral[i], &total, sizeof total);
     std::memcpy(&sums->tail[i], &tail, sizeof tail);

@@ -7,14 +7,18 @@ void sample_shapes(const ShapeRows& rows, const float* scale, float* out) {
   const std::size_t last = rows.knots - 1, stride = shape_lanes;
   const float end = rows.radius[last];
   for (std::size_t i = 0; i < shape_lanes; i += float_lanes) {
-    const auto [least, largest] = std::minmax_element(scale + i, scale + i + float_lanes);
+    float least = scale[i], largest = scale[i];
+    for (std::size_t j = i + 1; j < i + float_lanes; ++j) {
+      least = scale[j] < least ? scale[j] : least;
+      largest = scale[j] > largest ? scale[j] : largest;
+    }
     const FloatLanes scales = load_floats(scale + i), slope = load_floats(rows.tail_slope + i),
                      support = load_floats(rows.support + i);
     std::size_t low = 0, high = 0;  // segments
     for (std::size_t k = 0; k <= last; ++k) {
       const float radius = rows.radius[k];
-      while (low + 1 < last && rows.radius[low + 1] <= radius * *least) ++low;
-      while (high + 1 < last && rows.radius[high + 1] <= radius * *largest) ++high;
+      while (low + 1 < last && rows.radius[low + 1] <= radius * least) ++low;
+      while (high + 1 < last && rows.radius[high + 1] <= radius * largest) ++high;
       const FloatLanes r = radius * scales;
       const FloatLanes inside = r < end ? r : fill_floats(end);
       FloatLanes a = load_floats(rows.value + low * stride + i),
@@ -60,6 +64,10 @@ void mix_shapes(const float* a, const float* a_shift, const float* b, const floa
     sum += log_of_normal<FloatRow, IntRow>(part + (1.0f - part) * exp_of_small<FloatRow, IntRow>(x));
     std::memcpy(out + k * shape_lanes, &sum, sizeof sum);
   }
+}
+
+ShapeVariant variant(const char* name) {
+  return {name, sum_segments, find_crossings, finish_shapes, sample_shapes, mix_shapes};
 }
 
 }  // namespace parian::PARIAN_VECTOR_SPACE

@@ -1,5 +1,6 @@
 // Vectors of one instruction set, of PARIAN_VECTOR_BYTES, in namespace PARIAN_VECTOR_SPACE: they
-// keep running values in registers, which loops over arrays do not.
+// keep running values in registers, which loops over arrays do not. Nothing of the standard library
+// is called: its functions would exist once, for one of the instruction sets.
 namespace parian::PARIAN_VECTOR_SPACE {
 namespace {
 
@@ -14,7 +15,7 @@ using LaneGroup = double __attribute__((vector_size(group * PARIAN_VECTOR_BYTES)
 using WholeLaneGroup = std::int64_t __attribute__((vector_size(group * PARIAN_VECTOR_BYTES)));
 
 // What vectors of one instruction set do at once and the compiler would take apart.
-#if defined(__AVX512F__)
+#if PARIAN_VECTOR_BYTES == 64
 [[gnu::always_inline]] inline Lanes widen_lanes(HalfLanes x) { return _mm512_cvtps_pd(x); }
 [[gnu::always_inline]] inline Lanes least_of(Lanes a, Lanes b) { return _mm512_min_pd(a, b); }
 [[gnu::always_inline]] inline Lanes largest_of(Lanes a, Lanes b) { return _mm512_max_pd(a, b); }
@@ -28,7 +29,7 @@ using WholeLaneGroup = std::int64_t __attribute__((vector_size(group * PARIAN_VE
 [[gnu::always_inline]] inline Lanes least_of(Lanes a, Lanes b) { return a < b ? a : b; }
 [[gnu::always_inline]] inline Lanes largest_of(Lanes a, Lanes b) { return a > b ? a : b; }
 [[gnu::always_inline]] inline bool any_below(Lanes a, double limit) {
-#if defined(__AVX2__)
+#if defined(PARIAN_VECTOR_VARIANTS) && defined(__AVX2__)
   return _mm256_movemask_pd(_mm256_cmp_pd(a, _mm256_set1_pd(limit), _CMP_LT_OQ)) != 0;
 #else
   const WholeLanes below = a < limit;

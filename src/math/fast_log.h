@@ -1,8 +1,7 @@
-// The logarithm of fast_math.h, and an exponential, for use inside other vectorised loops: on float,
-// or on GCC's vectors of floats with the vector of integers of the same size.
+// The logarithm of fast_math.h, and an exponential, for use inside other vectorised loops: on
+// float, or on GCC's vectors of floats with the vector of integers of the same size.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
@@ -14,9 +13,9 @@ namespace parian {
 template <typename Float, typename Int>
 [[gnu::always_inline]] inline Float log_of_normal(Float x) {
   constexpr float ln2_high = 0.693359375f, ln2_low = -2.12194440e-4f;
-  const Int bits = std::bit_cast<Int>(x);
+  const Int bits = __builtin_bit_cast(Int, x);
   const Int exponent = (bits - 0x3f3504f3) >> 23;
-  const Float m = std::bit_cast<Float>(bits - (exponent << 23));
+  const Float m = __builtin_bit_cast(Float, bits - (exponent << 23));
   Float e;
   if constexpr (std::is_floating_point_v<Float>)
     e = static_cast<Float>(exponent);
@@ -44,11 +43,11 @@ template <typename Float, typename Int>
   const Float k = shifted - round;
   const Float f = (x - k * ln2_high) - k * ln2_low;
   const Float p =
-      1.0f + f * (1.0f + f * (0.5f + f * (0.16666667f +
-                                          f * (0.041666668f +
-                                               f * (0.0083333338f + f * 0.0013888889f)))));
-  const Int power = std::bit_cast<Int>(shifted) << 23;
-  return std::bit_cast<Float>(std::bit_cast<Int>(p) + power);
+      1.0f +
+      f * (1.0f + f * (0.5f + f * (0.16666667f +
+                                   f * (0.041666668f + f * (0.0083333338f + f * 0.0013888889f)))));
+  const Int power = __builtin_bit_cast(Int, shifted) << 23;
+  return __builtin_bit_cast(Float, __builtin_bit_cast(Int, p) + power);
 }
 
 }  // namespace parian
