@@ -1,4 +1,4 @@
-// sum_segments, find_crossings and finish_shapes for one instruction set, on shape_vectors.inl.
+// sum_segments, find_crossings and finish_shapes for one instruction set, on shape_lanes.inl.
 namespace parian::PARIAN_VECTOR_SPACE {
 namespace {
 

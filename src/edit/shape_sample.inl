@@ -1,4 +1,4 @@
-// sample_shapes and mix_shapes for one instruction set, on shape_vectors.inl.
+// sample_shapes and mix_shapes for one instruction set, on shape_lanes.inl.
 namespace parian::PARIAN_VECTOR_SPACE {
 
 // The places radius[k] * scale of neighbouring lanes lie in few segments: those between the segment

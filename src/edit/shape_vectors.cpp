@@ -22,18 +22,18 @@
 
 #define PARIAN_VECTOR_SPACE vectors_baseline
 #define PARIAN_VECTOR_BYTES 32
+#include "edit/shape_lanes.inl"
 #include "edit/shape_measure.inl"
 #include "edit/shape_sample.inl"
-#include "edit/shape_vectors.inl"
 #undef PARIAN_VECTOR_SPACE
 
 #ifdef PARIAN_VECTOR_VARIANTS
 #pragma GCC push_options
 #pragma GCC target("avx2")
 #define PARIAN_VECTOR_SPACE vectors_avx2
+#include "edit/shape_lanes.inl"
 #include "edit/shape_measure.inl"
 #include "edit/shape_sample.inl"
-#include "edit/shape_vectors.inl"
 #undef PARIAN_VECTOR_SPACE
 #pragma GCC pop_options
 #undef PARIAN_VECTOR_BYTES
@@ -42,9 +42,9 @@
 #pragma GCC target("avx512f")
 #define PARIAN_VECTOR_SPACE vectors_avx512
 #define PARIAN_VECTOR_BYTES 64
+#include "edit/shape_lanes.inl"
 #include "edit/shape_measure.inl"
 #include "edit/shape_sample.inl"
-#include "edit/shape_vectors.inl"
 #undef PARIAN_VECTOR_SPACE
 #pragma GCC pop_options
 #endif
