@@ -229,7 +229,7 @@ void study_single(const Page& page, const Setting& setting) {
   both.lights[0].multiple = pack_transport(moments.value, transport.multiple_basis.size(), 3);
   const double transmitted = static_cast<double>(fresnel_transmission(static_cast<float>(eta), 1));
   for (const double sigma_s : sigmas)
-    for (const double ratio : {0.01}) {
+    for (const double ratio : ratios) {
       Dipole material;
       material.channels = {{ratio * sigma_s, sigma_s, 0}};
       material.single_scattering = true;

@@ -12,13 +12,13 @@
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(PARIAN_NO_CLONES)
 #define PARIAN_VECTOR_VARIANTS 1
 #include <immintrin.h>
+// Its intrinsics leave operands unset that they do not use.
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
 
 // Vectors wider than the baseline's registers are passed between functions that are always inlined.
 #pragma GCC diagnostic ignored "-Wpsabi"
-// GCC's own intrinsics leave operands unset that they do not use.
-#pragma GCC diagnostic ignored "-Wuninitialized"
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 
 #define PARIAN_VECTOR_SPACE vectors_baseline
 #define PARIAN_VECTOR_BYTES 32
