@@ -46,6 +46,9 @@ SceneLoaders loaders() {
                 if (path == "nan.exr") at(image, 3, 1, 2) = std::numeric_limits<float>::quiet_NaN();
                 if (path == "negative.exr") at(image, 1, 0, 0) = -0.25f;
                 if (path == "alpha.png") image = make_image(2, 1, 2);
+                if (path == "square.exr") image = make_image(3, 3, 3, 0.5f);
+                if (path == "infinite.exr")
+                  at(image, 0, 1, 0) = std::numeric_limits<float>::infinity();
                 return image;
               },
           .load_material =
@@ -373,6 +376,12 @@ TEST(ReadScene, BadLights) {
   EXPECT_EQ(environment("file", "nan.exr"),
             "nan.exr: pixel (3, 1), channel 2: expected a radiance of at most 1000000000000, "
             "found nan");
+  EXPECT_EQ(environment("file", "infinite.exr"),
+            "infinite.exr: pixel (0, 1), channel 0: expected a radiance of at most 1000000000000, "
+            "found inf");
+  EXPECT_EQ(environment("file", "square.exr"),
+            "square.exr: expected a latitude-longitude image, twice as wide as high, found 3 x 3 "
+            "pixels");
   EXPECT_EQ(environment("file", "alpha.png"),
             "alpha.png: expected an image of 1 or 3 channels, found 2 x 1 pixels of 2");
   EXPECT_EQ(error(object({{"type", "environment"}})),
