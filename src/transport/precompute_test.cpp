@@ -39,9 +39,9 @@ double entering_flux(double eta) {
   double sum = 0;
   for (int i = 0; i < steps; ++i) {
     const double mu = (i + 0.5) / steps;
-    sum += mu / steps *
-           static_cast<double>(
-               fresnel_transmission(static_cast<float>(eta), static_cast<float>(mu)));
+    sum +=
+        mu / steps *
+        static_cast<double>(fresnel_transmission(static_cast<float>(eta), static_cast<float>(mu)));
   }
   return 2 * pi * sum;
 }
