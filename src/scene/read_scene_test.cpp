@@ -209,6 +209,20 @@ TEST(ReadScene, HomogeneousMaterials) {
       "or 'sigma_s', found none of them");
   EXPECT_EQ(error(object({{"sigma_a", 1}, {"sigma_s", 1}, {"g", 1}})),
             "s.json: /material/g: expected a number in [-0.99, 0.99], found the number 1");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto coefficients = [&](double sigma_a, double sigma_s, double g) {
+    return error(object({{"sigma_a", sigma_a}, {"sigma_s", sigma_s}, {"g", g}}));
+  };
+  EXPECT_EQ(coefficients(-0.1, 1, 0),
+            "s.json: /material/sigma_a: expected a number in [0, 1000], found the number -0.1");
+  EXPECT_EQ(coefficients(nan, 1, 0),
+            "s.json: /material/sigma_a: expected a number in [0, 1000], found the number nan");
+  EXPECT_EQ(coefficients(0.1, 0, 0),
+            "s.json: /material/sigma_s: expected a number in [1e-06, 1000], found the number 0");
+  EXPECT_EQ(coefficients(0.1, nan, 0),
+            "s.json: /material/sigma_s: expected a number in [1e-06, 1000], found the number nan");
+  EXPECT_EQ(coefficients(0.1, 1, -1.5),
+            "s.json: /material/g: expected a number in [-0.99, 0.99], found the number -1.5");
   EXPECT_EQ(error(object({{"sigma_a", 1}, {"sigma_s", 1}, {"sigma_s_prime", 1}})),
             "s.json: /material/sigma_s: expected only one of the keys 'sigma_s_prime' or "
             "'sigma_s', found another");
