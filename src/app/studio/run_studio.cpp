@@ -130,7 +130,7 @@ void draw_panels(Ui& ui) {
 std::string next_screenshot(const std::string& folder) {
   std::error_code ignored;
   for (int i = 1;; ++i) {
-    const std::string path = fmt::format("{}/parian-{:03}.png", folder, i);
+    std::string path = fmt::format("{}/parian-{:03}.png", folder, i);
     if (!std::filesystem::exists(path, ignored)) return path;
   }
 }
