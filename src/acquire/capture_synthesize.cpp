@@ -188,19 +188,6 @@ std::vector<double> light_standard(const CaptureMeta& meta, const PhotographPara
   return radiance;
 }
 
-// Exact below a mean of 50, above it the normal approximation.
-double sample_poisson(Rng& rng, double mean) {
-  if (mean <= 0) return 0;
-  if (mean > 50) return std::max(0.0, std::round(mean + std::sqrt(mean) * sample_normal(rng)));
-  const double limit = std::exp(-mean);
-  double count = -1, product = 1;
-  do {
-    product *= sample_uniform(rng);
-    count += 1;
-  } while (product > limit);
-  return count;
-}
-
 // Codes of one frame. `light` is linear, in parts of full scale per second.
 Image take_frame(const CaptureMeta& meta, const PhotographParams& params, const Response& response,
                  const Image& light, const FrameName& frame, std::uint64_t stream) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <utility>
 
 #include "base/error.h"
@@ -22,6 +23,14 @@ constexpr int trials = 6;                 // lengths of a step
 constexpr int prior_steps = 3;            // after which the weights of the slopes stay
 constexpr std::size_t block = std::size_t{1} << 14u;
 
+constexpr std::size_t memory = 5;         // steps that the quasi-Newton direction remembers
+
+// A step and how the residual fell along it.
+struct Secant {
+  std::vector<double> step, fall;
+  double curvature = 0;  // step . fall > 0
+};
+
 // A run: everything about the present field p.
 struct Descent {
   const SliceSource& table;
@@ -33,6 +42,7 @@ struct Descent {
   std::vector<double> slope_weight;  // of the prior
   std::vector<double> centre;        // mean over the pixels of p
   std::vector<double> r;             // minus the gradient at p, prior included
+  std::deque<Secant> secants;        // newest last
 };
 
 std::vector<double> distance_weights(const ReducedSystem& geometry, PairWeight weight,
@@ -150,19 +160,42 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
   });
 }
 
-// H delta = r, at most largest_step anywhere.
-std::vector<double> solve_step(Descent& descent) {
+// H delta = r
+std::vector<double> solve_step(Descent& descent, std::vector<double> r) {
   NoisyFit& fit = descent.fit;
-  fit.system.right_hand_side = descent.r;
+  fit.system.right_hand_side = std::move(r);
   const Hessian hessian = make_hessian(fit.system, ProductMethod::automatic, false);
   const Preconditioner preconditioner = make_preconditioner(fit.system, hessian);
-  std::vector<double> delta(descent.r.size(), 0.0);
+  std::vector<double> delta(fit.p.size(), 0.0);
   const std::vector<double> zero(fit.system.knots(), 0.0);
   const SolveReport solved =
       solve_reduced(fit.system, hessian, preconditioner,
                     {inner_tolerance, descent.noisy.max_iterations}, zero, delta,
                     {{}, descent.progress.is_cancelled});
   fit.iterations += solved.iterations;
+  return delta;
+}
+
+void add(double factor, const std::vector<double>& v, std::vector<double>& to) {
+  parallel_for_blocks(v.size(), block, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) to[i] += factor * v[i];
+  });
+}
+
+// The limited-memory BFGS direction (Nocedal 1980) whose first inverse is H's: H has mean weights
+// only, and the secants make up for what pixels far from the mean need.
+std::vector<double> make_direction(Descent& descent) {
+  std::vector<double> q = descent.r;
+  std::vector<double> factors;
+  for (auto secant = descent.secants.rbegin(); secant != descent.secants.rend(); ++secant) {
+    factors.push_back(dot(secant->step, q) / secant->curvature);
+    add(-factors.back(), secant->fall, q);
+  }
+  std::vector<double> delta = solve_step(descent, std::move(q));
+  for (const Secant& secant : descent.secants) {
+    add(factors.back() - dot(secant.fall, delta) / secant.curvature, secant.step, delta);
+    factors.pop_back();
+  }
   for (double& value : delta) value = std::clamp(value, -largest_step, largest_step);
   return delta;
 }
@@ -173,6 +206,19 @@ double total_weight(const ReducedSystem& system, const OffsetMeans& means) {
   for (std::size_t i = 0; i < means.known.size(); ++i)
     sum += system.pair_count[i] * system.weights[0].phi[i] * means.known[i];
   return sum;
+}
+
+// `there`: the residual at the end of the step.
+void remember(Descent& descent, const std::vector<double>& delta, double length,
+              std::vector<double> there, double fall) {
+  if (!(fall > 0)) return;
+  Secant secant{std::vector<double>(delta.size()), std::move(there), length * fall};
+  for (std::size_t i = 0; i < delta.size(); ++i) {
+    secant.step[i] = length * delta[i];
+    secant.fall[i] = descent.r[i] - secant.fall[i];
+  }
+  descent.secants.push_back(std::move(secant));
+  if (descent.secants.size() > memory) descent.secants.pop_front();
 }
 
 // Goes along delta until the slope has fallen by half, or rises no more than that: the objective
@@ -187,8 +233,10 @@ double go_along(Descent& descent, const std::vector<double>& delta, double slope
         make_step(descent.table, descent.channel, descent.params, fit.step, p, descent.progress);
     ++fit.steps;
     system.slope_weight = descent.slope_weight;
-    const double there = dot(eval_residual(descent, system, p), delta);
+    std::vector<double> fall = eval_residual(descent, system, p);
+    const double there = dot(fall, delta);
     if (there > -least_gain * slope) {
+      remember(descent, delta, length, std::move(fall), slope - there);
       fit.system = std::move(system);
       fit.p = std::move(p);
       return length;
@@ -215,7 +263,7 @@ void descend(Descent& descent, const OffsetMeans& means) {
   double done = 0;
   fit.last_step = 1;
   for (int step = 1; step <= descent.noisy.max_steps; ++step) {
-    const std::vector<double> delta = solve_step(descent);
+    const std::vector<double> delta = make_direction(descent);
     const double slope = dot(descent.r, delta);
     if (!(slope > 0)) break;
     const double length = go_along(descent, delta, slope);
@@ -250,7 +298,7 @@ NoisyFit fit_noisy(const SliceSource& table, int channel, const ReducedParams& p
   if (std::none_of(means.mean.begin(), means.mean.end(), [](double mean) { return mean > 0; }))
     throw Error({table.name(), "channel " + std::to_string(channel),
                  "values of positive mean at some offset", "nothing but noise about 0"});
-  Descent descent{table, channel, params, noisy, progress, {}, {}, {}, {}};
+  Descent descent{table, channel, params, noisy, progress, {}, {}, {}, {}, {}};
   NoisyFit& fit = descent.fit;
   fit.step.noise = noise_of(table.header(), channel);
   fit.step.phi = distance_weights(geometry, params.weight, means.mean);
