@@ -1,5 +1,5 @@
-// bench_paper_2009 [all|table1|segments|line|points|contrast|noise] [-o FOLDER] [--docs DOCS]: prints the
-// tables of docs/fit.md and draws its pictures.
+// bench_paper_2009 [all|table1|segments|line|points|contrast|noise] [-o FOLDER] [--docs DOCS]:
+// prints the tables of docs/fit.md and draws its pictures.
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -16,12 +16,9 @@ struct NamedStudy {
   void (*run)(Study&);
 };
 // Those that need the chessboard, the largest table, follow each other.
-constexpr NamedStudy studies[] = {{"segments", study_segments},
-                                  {"contrast", study_contrast},
-                                  {"noise", study_noise},
-                                  {"line", study_line},
-                                  {"points", study_points},
-                                  {"table1", study_table1}};
+constexpr NamedStudy studies[] = {{"segments", study_segments}, {"contrast", study_contrast},
+                                  {"noise", study_noise},       {"line", study_line},
+                                  {"points", study_points},     {"table1", study_table1}};
 
 int show_usage() {
   std::fputs(

@@ -67,7 +67,8 @@ Figures measure(const ProfileMap& map, const TableHeader& header) {
       const std::size_t knots = map.knots_mm.size(), from = knots * part / 3;
       const std::size_t to = knots * (part + 1) / 3;
       const float* plane = knot_plane(map, c, 0);
-      figures.log_profile[part].insert(figures.log_profile[part].end(), plane + from * map.pixels(), plane + to * map.pixels());
+      figures.log_profile[part].insert(figures.log_profile[part].end(), plane + from * map.pixels(),
+                                       plane + to * map.pixels());
     }
   return figures;
 }
@@ -127,7 +128,8 @@ void add_rows(const BssrdfTable& clean, const Figures& truth, const NoiseLevel& 
                           first ? fmt::format("{:.1f} %", 100 * share_not_positive(noisy)) : "",
                           way.name, show(relative(figures.albedo, truth.albedo)),
                           show(relative(figures.radius, truth.radius)),
-                          show(absolute(figures.log_profile[0], truth.log_profile[0])), show(absolute(figures.log_profile[1], truth.log_profile[1])),
+                          show(absolute(figures.log_profile[0], truth.log_profile[0])),
+                          show(absolute(figures.log_profile[1], truth.log_profile[1])),
                           show(absolute(figures.log_profile[2], truth.log_profile[2])),
                           fmt::format("{}", fit.report.channels[0].steps)});
   }
@@ -163,12 +165,13 @@ void study_noise(Study& study) {
       first = false;
     }
   }
-  write_table(study, "noise",
-              "Bias / root mean square over the pixels, against the fit of the same table without "
-              "noise: relative of albedo and mean radius, absolute of ln P. Simulated samples of "
-              "48 x 48 pixels, radius 12 px, three channels. Photons: that enter per pixel; the median "
-              "R is that of all pairs.",
-              table);
+  write_table(
+      study, "noise",
+      "Bias / root mean square over the pixels, against the fit of the same table without "
+      "noise: relative of albedo and mean radius, absolute of ln P. Simulated samples of "
+      "48 x 48 pixels, radius 12 px, three channels. Photons: that enter per pixel; the median "
+      "R is that of all pairs.",
+      table);
 }
 
 }  // namespace parian::paper_2009

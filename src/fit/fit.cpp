@@ -168,10 +168,9 @@ void fit_logarithms(Run& run, int channel, const Progress& progress) {
   }
   const std::vector<double> profile = fit_mean_profile(system);
   if (run.start.deviation.empty()) run.p = make_constant_field(system, profile);
-  const SolveReport solved =
-      solve_reduced(system, run.shared->hessian, run.shared->preconditioner,
-                    {params.tolerance, params.max_iterations}, profile, run.p, progress,
-                    &run.start);
+  const SolveReport solved = solve_reduced(system, run.shared->hessian, run.shared->preconditioner,
+                                           {params.tolerance, params.max_iterations}, profile,
+                                           run.p, progress, &run.start);
   refuse_bad_solution(run.table, channel, solved);
   run.result.report.seconds_solve += run.watch.lap();
 

@@ -39,7 +39,8 @@ ParamList describe(FitParams& params) {
        .help = "take the noise of the table into account, where it has a noise model",
        .target = &params.noise_model},
       {.name = "spread",
-       .help = "expected deviation of ln P from the mean profile at the radius, where noise hides it",
+       .help =
+           "expected deviation of ln P from the mean profile at the radius, where noise hides it",
        .target = &params.spread,
        .min = 1e-3,
        .max = 1e3},

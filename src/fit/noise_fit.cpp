@@ -23,7 +23,7 @@ constexpr int trials = 6;                 // lengths of a step
 constexpr int prior_steps = 3;            // after which the weights of the slopes stay
 constexpr std::size_t block = std::size_t{1} << 14u;
 
-constexpr std::size_t memory = 5;         // steps that the quasi-Newton direction remembers
+constexpr std::size_t memory = 5;  // steps that the quasi-Newton direction remembers
 
 // A step and how the residual fell along it.
 struct Secant {
@@ -125,8 +125,7 @@ std::vector<double> make_slope_weights(const ReducedSystem& system, const NoiseS
   std::vector<double> weights;
   const auto at_knot = [&](std::size_t k) { return all[k] > 0 ? noisy[k] / all[k] : 0; };
   for (std::size_t k = 0; k + 1 < system.knots(); ++k) {
-    const double share =
-        (system.knots_mm[k + 1] - system.knots_mm[k]) / system.knots_mm.back();
+    const double share = (system.knots_mm[k + 1] - system.knots_mm[k]) / system.knots_mm.back();
     weights.push_back(8 * s * s * std::sqrt(at_knot(k) * at_knot(k + 1)) /
                       (spread * spread * share));
   }
@@ -140,8 +139,7 @@ std::vector<double> eval_residual(const Descent& descent, const ReducedSystem& s
   add_curvature(system, p.data(), r.data());
   std::vector<double> pull(system.knots());
   for (std::size_t k = 0; k < system.slope_weight.size(); ++k) {
-    const double slope =
-        system.slope_weight[k] * (descent.centre[k + 1] - descent.centre[k]);
+    const double slope = system.slope_weight[k] * (descent.centre[k + 1] - descent.centre[k]);
     pull[k + 1] += slope;
     pull[k] -= slope;
   }
@@ -168,10 +166,9 @@ std::vector<double> solve_step(Descent& descent, std::vector<double> r) {
   const Preconditioner preconditioner = make_preconditioner(fit.system, hessian);
   std::vector<double> delta(fit.p.size(), 0.0);
   const std::vector<double> zero(fit.system.knots(), 0.0);
-  const SolveReport solved =
-      solve_reduced(fit.system, hessian, preconditioner,
-                    {inner_tolerance, descent.noisy.max_iterations}, zero, delta,
-                    {{}, descent.progress.is_cancelled});
+  const SolveReport solved = solve_reduced(fit.system, hessian, preconditioner,
+                                           {inner_tolerance, descent.noisy.max_iterations}, zero,
+                                           delta, {{}, descent.progress.is_cancelled});
   fit.iterations += solved.iterations;
   return delta;
 }

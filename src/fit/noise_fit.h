@@ -1,5 +1,6 @@
 // The fit of tables with a noise model: Gauss-Newton steps on reduced systems (noise_step.h), each
-// of which reads the table once. Zero and negative values take part; no logarithm of noise is taken.
+// of which reads the table once. Zero and negative values take part; no logarithm of noise is
+// taken.
 #pragma once
 
 #include <vector>
@@ -36,8 +37,8 @@ NoisyFit fit_noisy(const SliceSource& table, int channel, const ReducedParams& p
                    const NoisyFitParams& noisy, const Progress& progress = {});
 
 // 1/2 sum of m phi w (2 z)^2 and the curvature's part: the fit's energy at p.
-double eval_noisy_energy(const SliceSource& table, const ReducedParams& params,
-                         const NoisyFit& fit, const std::vector<double>& p);
+double eval_noisy_energy(const SliceSource& table, const ReducedParams& params, const NoisyFit& fit,
+                         const std::vector<double>& p);
 
 // The quadratic about p in the form of a reduced system: E(p') with H, b and c.
 ReducedSystem make_noisy_system(const SliceSource& table, int channel, const ReducedParams& params,

@@ -128,8 +128,8 @@ double load_residuals(Build& build, std::size_t i, std::vector<float>& slice, Fr
   OffsetSums& sums = build.sums[i];
   build.table.read_slice(system.channel, system.table_index[i], slice.data());
   const PixelRange range = pairs_in_grid(header, system.offsets[i]);
-  const auto in_grid = static_cast<std::size_t>(std::max(0, range.x1 - range.x0) *
-                                                std::max(0, range.y1 - range.y0));
+  const auto in_grid =
+      static_cast<std::size_t>(std::max(0, range.x1 - range.x0) * std::max(0, range.y1 - range.y0));
   const auto count_known = [&] {
     std::size_t known = 0;
     for (std::size_t x = 0; x < system.pixels(); ++x) known += std::isnan(slice[x]) ? 0u : 1u;
@@ -143,8 +143,8 @@ double load_residuals(Build& build, std::size_t i, std::vector<float>& slice, Fr
   if (!build.suspects.empty()) mark_seen(build, system.offsets[i], slice.data());
   for (std::size_t x = 0; x < system.pixels(); ++x) sums.not_positive += slice[x] <= 0 ? 1u : 0u;
   const NoiseStep& step = *build.params.about;
-  const NoiseSums noise = eval_noise_offset(system, step, i, header, slice.data(), frame.row(0),
-                                            frame.stride);
+  const NoiseSums noise =
+      eval_noise_offset(system, step, i, header, slice.data(), frame.row(0), frame.stride);
   sums.squares = noise.squares;
   system.weights[0].phi[i] =
       sums.known > 0 ? step.phi[i] * noise.weight / static_cast<double>(sums.known) : 0;
