@@ -178,6 +178,7 @@ void fit_logarithms(Run& run, int channel, const Progress& progress) {
   report.energy = report.energy_monotone = solved.energy;
   report.iterations = solved.iterations;
   report.relative_residual = solved.relative_residual;
+  report.converged = solved.relative_residual <= params.tolerance;
   count_pairs(system, report);
   finish_channel(run, system, report,
                  [&] { return eval_energy(system, run.shared->hessian, run.p.data()); });
@@ -194,6 +195,7 @@ void fit_with_noise(Run& run, int channel, const Progress& progress) {
   report.iterations = fit.iterations;
   report.steps = fit.steps;
   report.relative_residual = fit.relative_residual;
+  report.converged = fit.last_step <= noisy.tolerance;
   refuse_bad_solution(run.table, channel, {fit.iterations, fit.relative_residual, report.energy});
   count_pairs(fit.system, report);
   run.result.report.seconds_solve += run.watch.lap();
@@ -243,6 +245,7 @@ Document to_document(const FitReport& report) {
     set(entry, "energy", channel.energy);
     set(entry, "energy_monotone", channel.energy_monotone);
     set(entry, "relative_residual", channel.relative_residual);
+    set(entry, "converged", channel.converged);
     set(entry, "iterations", channel.iterations);
     set(entry, "steps", channel.steps);
     set(entry, "pairs", channel.pairs);

@@ -17,7 +17,8 @@ struct FitChannelReport {
   double energy_monotone = 0;    // E after the monotone projection; equals energy without it
   double relative_residual = 0;  // |b - Hp| / |b| at the end
   int iterations = 0;
-  int steps = 0;            // passes over a noisy table; 0 for the plain fit
+  int steps = 0;  // passes over a noisy table; 0 for the plain fit
+  bool converged = true;
   std::size_t pairs = 0;    // ordered pairs that entered
   std::size_t missing = 0;  // pairs inside the grid that are not measured (each listed value once)
   std::size_t not_positive = 0;  // values <= 0; only the plain fit leaves them out

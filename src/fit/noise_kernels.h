@@ -1,4 +1,4 @@
-// Rows of residuals for noisy tables (noise_step.h). Private to fit.
+// Rows of residuals for noisy tables (noise_step.h).
 #pragma once
 
 #include <cstddef>
