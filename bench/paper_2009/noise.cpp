@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/random.h"
+#include "bench/common/table_noise.h"
 #include "bench/paper_2009/study.h"
 #include "judge/row_sums.h"
 #include "material/material.h"
@@ -25,20 +25,6 @@ BssrdfTable make_sample(const char* sample) {
   set(description, "size", Document::Array{48, 48});
   set(description, "radius_px", 12);
   return simulate(description);
-}
-
-BssrdfTable add_noise(const BssrdfTable& table, const NoiseLevel& level, std::uint64_t seed) {
-  BssrdfTable noisy = table;
-  noisy.header.noise_gain.assign(3, level.gain);
-  noisy.header.noise_floor.assign(3, level.floor);
-  Rng rng = make_rng(seed);
-  for (float& value : noisy.reflectance) {
-    if (std::isnan(value)) continue;
-    double sum = static_cast<double>(value);
-    if (level.gain > 0) sum = level.gain * sample_poisson(rng, sum / level.gain);
-    value = static_cast<float>(sum + level.floor * sample_normal(rng));
-  }
-  return noisy;
 }
 
 // Of a map's pixels: albedo over the table's pairs, mean radius, and ln P at the knots.
@@ -96,7 +82,7 @@ Deviation absolute(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 std::string show(const Deviation& d) {
-  return fmt::format("{:+.4f} / {:.4f}", d.mean, d.rms);
+  return d.rms < 100 ? fmt::format("{:+.4f} / {:.4f}", d.mean, d.rms) : "diverges";
 }
 
 struct Way {
@@ -117,7 +103,7 @@ double share_not_positive(const BssrdfTable& table) {
 
 void add_rows(const BssrdfTable& clean, const Figures& truth, const NoiseLevel& level,
               const std::string& sample, MarkdownTable& table) {
-  const BssrdfTable noisy = add_noise(clean, level, 7);
+  const BssrdfTable noisy = add_noise(clean, level.gain, level.floor, 7);
   for (const Way& way : ways) {
     FitParams params;
     params.noise_model = way.noise_model;
@@ -136,10 +122,10 @@ void add_rows(const BssrdfTable& clean, const Figures& truth, const NoiseLevel& 
 }
 
 std::vector<NoiseLevel> make_levels(const BssrdfTable& clean) {
-  const double area = clean.header.pixel_pitch_mm * clean.header.pixel_pitch_mm;
   std::vector<NoiseLevel> levels{{"none (variance 0)", 0, 0}};
   for (const int power : {6, 5, 4, 3})
-    levels.push_back({fmt::format("10^{} photons", power), 1 / (std::pow(10, power) * area), 0});
+    levels.push_back(
+        {fmt::format("10^{} photons", power), photon_gain(clean, std::pow(10, power)), 0});
   std::vector<double> values;
   for (float value : clean.reflectance)
     if (!std::isnan(value)) values.push_back(static_cast<double>(value));
