@@ -55,7 +55,7 @@ std::vector<double> distance_weights(const ReducedSystem& geometry, PairWeight w
   return phi;
 }
 
-NoiseModel noise_of(const TableHeader& header, int channel) {
+PairNoise noise_of(const TableHeader& header, int channel) {
   const auto c = static_cast<std::size_t>(channel);
   return {static_cast<float>(header.noise_floor[c]), static_cast<float>(header.noise_gain[c])};
 }

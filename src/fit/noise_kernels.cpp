@@ -61,7 +61,7 @@ PARIAN_HOT void combine(const float* PARIAN_RESTRICT value, const float* PARIAN_
 
 }  // namespace
 
-void eval_noise_residuals(const float* value, const float* log_model, const NoiseModel& noise,
+void eval_noise_residuals(const float* value, const float* log_model, const PairNoise& noise,
                           std::size_t count, float* weight, float* residual) {
   float model[strip], ratio[strip], variance[strip], least[strip], argument[strip], logs[strip];
   for (std::size_t i = 0; i < count; i += strip) {

@@ -6,7 +6,7 @@
 namespace parian {
 
 // Variance of a value R: floor^2 + gain R.
-struct NoiseModel {
+struct PairNoise {
   float floor = 0, gain = 0;
 };
 
@@ -15,7 +15,7 @@ inline constexpr float model_error = 0.3f;
 
 // For values R and ln R* of the model at the same pairs: the weight w and the residual z in ln R of
 // noise_step.h; both 0 where R is NaN. For any finite values.
-void eval_noise_residuals(const float* value, const float* log_model, const NoiseModel& noise,
+void eval_noise_residuals(const float* value, const float* log_model, const PairNoise& noise,
                           std::size_t count, float* weight, float* residual);
 
 }  // namespace parian

@@ -28,7 +28,7 @@ namespace parian {
 
 // What a step is made about.
 struct NoiseStep {
-  NoiseModel noise;
+  PairNoise noise;
   std::vector<float> field;  // ln P, [knot][y][x]
   std::vector<double> phi;   // weight by distance, per offset of the system
 };
