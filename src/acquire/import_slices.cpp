@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "acquire/import_path_internal.h"
 #include "acquire/provenance.h"
 #include "base/error.h"
 
@@ -63,10 +64,11 @@ void read_files(const Document& document, SliceImport& slices) {
     throw_at(document, "one of the keys 'files' and 'file'", files != nullptr ? "both" : "neither");
   slices.together = file != nullptr;
   if (slices.together) {
-    slices.files = {as_string(*file)};
+    slices.files = {path_beside(document, as_string(*file))};
     return;
   }
-  for (const Document& element : as_array(*files)) slices.files.push_back(as_string(element));
+  for (const Document& element : as_array(*files))
+    slices.files.push_back(path_beside(document, as_string(element)));
   if (slices.files.size() != slices.header.offsets.size())
     throw_at(*files, fmt::format("{} files, one for each offset", slices.header.offsets.size()),
              fmt::format("{}", slices.files.size()));
@@ -155,12 +157,9 @@ void import_slices(const SliceImport& slices, const ArrayLoader& load_array, Sli
     const std::string& file = slices.files[slices.together ? 0 : d];
     if (!slices.together) {
       array = load_array(file);
-      if (channels > 1 || array.shape.size() == 3) {
-        expected.resize(2);
+      expected.resize(2);
+      if (channels > 1 || (array.shape.size() == 3 && array.shape[2] == 1))
         expected.push_back(channels);
-      } else {
-        expected.resize(2);
-      }
       if (array.shape != expected)
         throw_shape(file, fmt::format("{}, as '{}' has", format_shape(expected), slices.files[0]),
                     array);

@@ -39,6 +39,7 @@ class Capture(program.ProgramTest):
         self.assertLess(report["white_error"], 0.02)
         with h5py.File(self.folder / "table.h5") as table:
             self.assertEqual(table.attrs["symmetric"], 1)
+            self.assertTrue(program.json.loads(table.attrs["provenance"])["simulated"])
             self.assertGreater(table.attrs["noise_floor"][0] + table.attrs["noise_gain"][0], 0)
 
     def test_table_of_table(self):
