@@ -85,14 +85,14 @@ class Import(program.ProgramTest):
 
     def test_noise_takes_part_in_the_fit(self):
         """Counts with zeros, and what a fit of logarithms makes of them."""
-        values = self.write_slices(noise_gain=2e-3)
+        values = self.write_slices(noise_gain=1e-2)
         random = numpy.random.default_rng(4)
         with h5py.File(self.folder / "table.h5") as table:
             offsets = table["offsets"][:].tolist()
         for d, (dx, dy) in enumerate(offsets):
             plane = values[:, d].astype(float)
             known = ~numpy.isnan(plane)
-            plane[known] = 2e-3 * random.poisson(plane[known] / 2e-3)
+            plane[known] = 1e-2 * random.poisson(plane[known] / 1e-2)
             numpy.save(self.folder / f"slice_{dx}_{dy}.npy", numpy.moveaxis(plane, 0, -1))
         self.succeed("import", "slices.json", "-o", "noisy.h5")
         text = self.succeed("fit", "noisy.h5", "-o", "map.h5", "--json", "fit.json")
