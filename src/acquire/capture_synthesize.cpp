@@ -32,9 +32,10 @@ class Camera {
     begin_.push_back(0);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
-        for (int k = 0; k < points * points; ++k)
-          look_at(parian::apply(px_to_mm, (x + (k % points + 0.5) / points) / supersampling,
-                                (y + (k / points + 0.5) / points) / supersampling));
+        for (int j = 0; j < points; ++j)
+          for (int i = 0; i < points; ++i)
+            look_at(parian::apply(px_to_mm, (x + (i + 0.5) / points) / supersampling,
+                                  (y + (j + 0.5) / points) / supersampling));
         begin_.push_back(seen_.size());
       }
     const double sigma = params.blur_px * supersampling;

@@ -22,13 +22,13 @@ struct NoisyFitParams {
 };
 
 struct NoisyFit {
-  ReducedSystem system;      // of the last step; its right-hand side is about p
-  std::vector<double> p;     // ln P, [knot][y][x]
-  NoiseStep step;            // what a step about another field takes
-  int steps = 0;             // tables read
-  int iterations = 0;        // of conjugate gradients, all steps
-  double last_step = 0;      // compare tolerance
-  double relative_residual;  // of the equations: at the end over at the start
+  ReducedSystem system;          // of the last step; its right-hand side is about p
+  std::vector<double> p;         // ln P, [knot][y][x]
+  NoiseStep step;                // what a step about another field takes
+  int steps = 0;                 // tables read
+  int iterations = 0;            // of conjugate gradients, all steps
+  double last_step = 0;          // compare tolerance
+  double relative_residual = 0;  // of the equations: at the end over at the start
 };
 
 // `params.weight` is the weight by distance; noise takes none. Throws Error when noise is all there

@@ -235,6 +235,22 @@ TEST(NoiseFit, ErrorsSayWhatIsMissing) {
             "spread: expected a value in [0.001, 1000], found 0");
 }
 
+TEST(NoiseFit, CanBeCancelledAtAnyPass) {
+  BssrdfTable table = make_test_table(8, 8, 3);
+  add_noise(table, 1e-3, 0, 5);
+  for (const int calls : {1, 2, 5, 12}) {
+    int left = calls;
+    Progress progress;
+    progress.is_cancelled = [&] { return --left <= 0; };
+    try {
+      fit_profiles(*make_slices(table), {}, progress);
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind, ErrorKind::cancelled);
+    }
+  }
+}
+
 // Its gradient is the step's right-hand side, its value the fit's energy, its curvature H.
 TEST(NoiseFit, SystemAboutTheFitIsItsQuadratic) {
   BssrdfTable table = make_test_table(12, 10, 3);
