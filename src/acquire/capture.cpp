@@ -30,6 +30,7 @@ struct Stage {
 
 std::vector<Image> load_repeats(const Stage& stage, FrameRole role, int exposure) {
   std::vector<Image> frames;
+  frames.reserve(static_cast<std::size_t>(stage.meta.calibration_frames));
   for (int k = 0; k < stage.meta.calibration_frames; ++k)
     frames.push_back(
         stage.load_frame({.role = role, .i = 0, .j = 0, .exposure = exposure, .repeat = k}));

@@ -222,16 +222,14 @@ void advance(CompressState& state) {
   if (state.done) return;
   if (!state.run.done) {
     advance(*state.objective, state.run);
-  } else if (state.on_grid) {
-    state.done = true;
-    return;
-  } else if (static_cast<int>(state.run.params.per_pixel) < state.params.per_pixel) {
+  } else if (!state.on_grid &&
+             static_cast<int>(state.run.params.per_pixel) < state.params.per_pixel) {
     OptimiseParams params = state.run.params;
     ++params.per_pixel;
     state.run = make_optimise_state(*state.objective, std::move(state.run.mixture), params);
     if (state.run.done) return;
     advance(*state.objective, state.run);
-  } else if (wants_grid(state.params)) {
+  } else if (!state.on_grid && wants_grid(state.params)) {
     begin_grid(state);
   } else {
     state.done = true;
