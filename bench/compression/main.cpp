@@ -2,7 +2,6 @@
 // tables of docs/compression.md and draws its pictures.
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <string>
 
 #include "base/memory.h"
@@ -50,8 +49,6 @@ int run(int argc, char** argv) {
   bool known = chosen == "all";
   for (const NamedStudy& each : studies) known = known || chosen == each.name;
   if (!known) return show_usage();
-  std::filesystem::create_directories(page.folder);
-  if (!page.docs.empty()) std::filesystem::create_directories(page.docs + "/images");
   for (const NamedStudy& each : studies)
     if (chosen == "all" || chosen == each.name) each.run(page);
   return 0;

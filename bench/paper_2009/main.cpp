@@ -2,7 +2,6 @@
 // prints the tables of docs/fit.md and draws its pictures.
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <iterator>
 #include <string>
 
@@ -51,8 +50,6 @@ int run(int argc, char** argv) {
   bool known = chosen == "all";
   for (const NamedStudy& each : studies) known = known || chosen == each.name;
   if (!known) return show_usage();
-  std::filesystem::create_directories(study.page.folder);
-  if (!study.page.docs.empty()) std::filesystem::create_directories(study.page.docs + "/images");
   for (const NamedStudy& each : studies)
     if (chosen == "all" || chosen == each.name) each.run(study);
   return 0;
