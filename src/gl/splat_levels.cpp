@@ -165,8 +165,7 @@ SplatTables make_splat_tables(const RadialLevels& radial, const ReferenceProfile
                               const NearRadii& near) {
   SplatTables tables;
   for (int l = 0; l < radial.count; ++l) {
-    const double radius = radial.level_radius(l), first = l == 0 ? 0 : radius / 2;
-    const double step = (2 * radius - first) / table_steps;
+    const double first = radial.first_mm(l), step = (radial.last_mm(l) - first) / table_steps;
     std::vector<float> values;
     for (int i = 0; i < table_steps; ++i) {
       const double r = first + (i + 0.5) * step;
@@ -223,7 +222,7 @@ void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, cons
   set_uniform(program, "source_lines", source.lines);
   set_uniform(
       program, "reach",
-      static_cast<float>(std::min(2 * input.radial.level_radius(level), input.max_support_mm)));
+      static_cast<float>(std::min(input.radial.last_mm(level), input.max_support_mm)));
   set_uniform(program, "table_range", input.tables.range[l]);
   bind_texture(program, "source_positions", 0, source.positions);
   bind_texture(program, "source_rows", 1, source.rows);

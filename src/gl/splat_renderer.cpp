@@ -75,8 +75,13 @@ ParamList describe(SplatParams& params) {
           {.name = "octave",
            .help = "radius of the first level in spacings of the samples",
            .target = &params.octave,
-           .min = 3.5,
-           .max = 16},
+           .min = 2,
+           .max = 1024},
+          {.name = "overlap",
+           .help = "octaves within which a level gives way to the next",
+           .target = &params.overlap,
+           .min = 0.1,
+           .max = 1},
           {.name = "texel",
            .help = "size of a level's texels in spacings of its emitters",
            .target = &params.texel,
@@ -183,7 +188,7 @@ void SplatRenderer::Impl::set_material(const Material& next) {
   const bool was_sparse = material != nullptr && material->is_sparse;
   const int old_levels = radial.count;
   max_support_mm = static_cast<double>(field.max_support_mm);
-  radial = make_radial_levels(params.octave * std::sqrt(area_mm2), max_support_mm);
+  radial = make_radial_levels(params.octave * std::sqrt(area_mm2), params.overlap, max_support_mm);
   material = std::make_unique<MaterialTextures>(
       make_material_textures(next, field, radial, area_mm2, near.near_mm));
   tables = make_splat_tables(radial, material->reference, near);

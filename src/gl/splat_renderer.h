@@ -33,6 +33,7 @@ struct SplatParams {
   int rays = 128;       // per sample and environment light
   int antialias = 2;    // n x n pixels drawn per pixel
   double octave = 4;    // radius of the first level in spacings of the samples
+  double overlap = 1;   // octaves within which a level gives way to the next
   double texel = 0.75;  // texels of a level in spacings of its emitters
   LightMode lights = LightMode::traced;
   int shadow_size = 2048;    // texels of a shadow map's side

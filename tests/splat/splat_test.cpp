@@ -107,7 +107,7 @@ void expect_like_reference(const Scene& scene, const std::string& name) {
   renderer.draw();
   const Image image = renderer.read();
   const Image reference = render_reference(scene, samples, rays);
-  const PictureErrors errors = compare_pictures(reference, image, renderer.coverage());
+  const RelativeErrors errors = relative_errors(reference, image, renderer.coverage());
   EXPECT_GT(errors.pixels, 2000u);
   EXPECT_LE(errors.mean, 0.02);
   EXPECT_LE(errors.p99, 0.08);

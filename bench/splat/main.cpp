@@ -13,7 +13,9 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "bench/common/assets.h"
+#include "bench/splat/study.h"
+#include "compress/compress.h"
+#include <cstdlib>
 #include "fit/fit.h"
 #include "gl/live_renderer.h"
 #include "gl/splat_rate.h"
@@ -23,6 +25,27 @@
 #include "transport/precompute.h"
 
 namespace parian {
+
+const ProfileMap& stone_map() {
+  static const ProfileMap map =
+      fit_profiles(*open_table(PARIAN_SOURCE_DIR "/data/stone-72x64.h5"), {}).map;
+  return map;
+}
+const ProfileBlend& stone_blend() {
+  static const ProfileBlend blend = compress_profiles(stone_map(), nullptr, {});
+  return blend;
+}
+Dipole make_marble(double scale) {
+  Dipole marble;
+  marble.channels = {{0.0021, 2.19 * scale, 0}, {0.0041, 2.62 * scale, 0}, {0.0071, 3 * scale, 0}};
+  return marble;
+}
+void set_from_environment(SplatParams& params) {
+  if (const char* v = std::getenv("OCTAVE")) params.octave = std::atof(v);
+  if (const char* v = std::getenv("OVERLAP")) params.overlap = std::atof(v);
+  if (const char* v = std::getenv("TEXEL")) params.texel = std::atof(v);
+}
+
 namespace {
 
 Scene make_scene() {
@@ -96,12 +119,6 @@ double seconds_of(const std::function<void()>& work) {
     best = std::min(best, watch.lap());
   }
   return best;
-}
-
-Dipole make_marble(double scale = 1) {
-  Dipole marble;
-  marble.channels = {{0.0021, 2.19 * scale, 0}, {0.0041, 2.62 * scale, 0}, {0.0071, 3 * scale, 0}};
-  return marble;
 }
 
 Scene make_editor_scene(Material material) {
@@ -202,6 +219,8 @@ int main(int argc, char** argv) {
     };
     const parian::OffscreenContext context;
     fmt::print("{}, {}\n", context.limits().renderer, context.limits().version);
+    if (is_chosen("accuracy"))
+      parian::study_accuracy({.name = "splatting", .folder = "out/bench", .docs = {}}, context.limits());
     if (is_chosen("rate")) parian::bench_rate();
     if (is_chosen("stages")) parian::bench_stages(context.limits());
     if (is_chosen("edit")) parian::bench_edit(context.limits());
