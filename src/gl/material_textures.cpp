@@ -192,6 +192,7 @@ MaterialTextures make_material_textures(const Material& material, const ProfileF
   textures.nodes = levels.nodes;
   textures.reference = make_reference(field);
   textures.defines.push_back(fmt::format("NODES {}", levels.nodes.size()));
+  if (field.width == 1 && field.height == 1) textures.defines.emplace_back("UNIFORM");
   const auto* blend = std::get_if<ProfileBlend>(&material);
   if (blend != nullptr && !blend->dilation.empty()) blend = nullptr;
   const Planes planes =

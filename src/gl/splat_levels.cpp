@@ -38,7 +38,6 @@ ViewLevel make_view_level(int width, int height, int block, bool is_single, Spla
   level.positions = make(TexelFormat::rgba32f);
   level.normals = make(TexelFormat::rgba16f);
   level.sums = make(format.sums);
-  level.moments = make(format.sums);
   if (is_single) {
     level.near = make(format.sums);
     if (format.with_mean) level.mean = make(format.sums);
@@ -50,7 +49,7 @@ ViewLevel make_view_level(int width, int height, int block, bool is_single, Spla
     level.tiles.push_back(make_texture(TexelFormat::r32f, blocks_of(width, tile),
                                        blocks_of(height, tile), "camera pyramid"));
     level.tile.push_back(make_framebuffer({{&level.tiles.back()}}, "camera pyramid"));
-    std::vector<Attachment> targets{{&level.sums, layer}, {&level.moments, layer}};
+    std::vector<Attachment> targets{{&level.sums, layer}};
     if (is_single) {
       targets.push_back({&level.near, layer});
       if (format.with_mean) targets.push_back({&level.mean, layer});
@@ -98,7 +97,7 @@ std::size_t ViewPyramid::bytes() const {
   for (const Texture& texture : representatives) sum += byte_size(texture);
   for (const ViewLevel& level : levels) {
     for (const Texture* texture :
-         {&level.positions, &level.normals, &level.sums, &level.moments, &level.near, &level.mean})
+         {&level.positions, &level.normals, &level.sums, &level.near, &level.mean})
       if (texture->handle.get() != 0) sum += byte_size(*texture);
     for (const Texture& texture : level.depth) sum += byte_size(texture);
   }
@@ -180,14 +179,19 @@ SplatTables make_splat_tables(const RadialLevels& radial, const ReferenceProfile
   }
   // 1/3 over int A^2 w dA: the sampled integral over the true one, mean of the channels.
   constexpr int rings = 256;
-  double integral[3] = {0, 0, 0};
+  double integral[3] = {0, 0, 0}, moment = 0;
   for (int i = 0; i < rings; ++i) {
     const double part = (i + 0.5) / rings, w = (1 - part) * (1 - part);
-    const Vec3 h = eval_reference(reference, near.near_mm * std::sqrt(part));
+    const double r = near.near_mm * std::sqrt(part);
+    const Vec3 h = eval_reference(reference, r);
     const double area = std::numbers::pi * near.near_mm * near.near_mm / rings;
-    for (int c = 0; c < 3; ++c)
-      integral[c] += area * w * std::exp(2 * static_cast<double>(component(h, c)));
+    for (int c = 0; c < 3; ++c) {
+      const double value = area * w * std::exp(2 * static_cast<double>(component(h, c)));
+      integral[c] += value;
+      moment += r * value;
+    }
   }
+  tables.near_mm = moment / (integral[0] + integral[1] + integral[2]);
   tables.reference_share = {static_cast<float>(1 / (3 * integral[0])),
                             static_cast<float>(1 / (3 * integral[1])),
                             static_cast<float>(1 / (3 * integral[2]))};
@@ -212,9 +216,9 @@ void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, cons
   const auto l = static_cast<std::size_t>(level);
   const ViewLevel& view = pyramid.levels[l];
   const SourceLevel& source = sources.levels[l];
-  const int targets = level > 0 ? 2 : view.mean.handle.get() == 0 ? 3 : 4;
-  const Program& program = targets == 2   ? programs.splat_group
-                           : targets == 3 ? programs.splat_single
+  const int targets = level > 0 ? 1 : view.mean.handle.get() == 0 ? 2 : 3;
+  const Program& program = targets == 1   ? programs.splat_group
+                           : targets == 2 ? programs.splat_single
                                           : programs.splat_single_mean;
   use(program);
   set_camera(program, camera);

@@ -21,7 +21,7 @@ struct NearRadii {
 struct ViewLevel {
   int block = 1;  // pixels of a texel's side
   int layers = 1;
-  Texture positions, normals, sums, moments;
+  Texture positions, normals, sums;
   Texture near, mean;                  // of level 0
   std::vector<Texture> depth, tiles;   // of each layer
   std::vector<Framebuffer> represent;  // of each layer
@@ -62,6 +62,7 @@ struct SplatTables {
   std::vector<Texture> table;
   std::vector<Vec2> range;  // first radius and step, mm
   Vec3 reference_share;
+  double near_mm = 0;  // the reference's mean radius in the near term
 };
 SplatTables make_splat_tables(const RadialLevels& radial, const ReferenceProfile& reference,
                               const NearRadii& near);

@@ -135,7 +135,8 @@ struct SplatRenderer::Impl {
   double max_support_mm = 0;
   RadialLevels radial;
   std::unique_ptr<MaterialTextures> material;
-  Program resolve_single, resolve_group;
+  SourcePrograms source_programs;
+  Program rows, resolve_single, resolve_group;  // of the material's kind
   std::vector<std::string> resolve_defines;  // what they were made with
   bool resolves_sparse = false;
   SplatTables tables;
@@ -155,7 +156,7 @@ struct SplatRenderer::Impl {
   void make_samples(const Progress& progress);
   void set_material(const Material& material);
   void set_places();
-  void make_resolve_programs();
+  void make_material_programs();
   void trace_flux(const std::vector<Light>& lights, const Progress& progress);
   void put_flux();
   void make_view();
@@ -198,8 +199,8 @@ void SplatRenderer::Impl::set_material(const Material& next) {
   const bool same_levels = same_boundary && radial.count == old_levels;
   if (!same_grid || !same_levels) set_places();
   if (same_boundary) put_flux();
-  bake_profiles(sources, *material);
-  make_resolve_programs();
+  make_material_programs();
+  bake_profiles(sources, rows, *material);
   groups_are_old = true;
   view_is_drawn = view_is_drawn && same_grid;
   view_is_old = view_is_old || !same_levels || material->is_sparse != was_sparse;
@@ -222,8 +223,9 @@ void SplatRenderer::Impl::set_places() {
   sources = make_sources(samples, places, area_mm2, radial);
 }
 
-void SplatRenderer::Impl::make_resolve_programs() {
+void SplatRenderer::Impl::make_material_programs() {
   if (resolve_defines == material->defines && resolves_sparse == material->is_sparse) return;
+  rows = make_rows_program(*material);
   resolve_single = make_resolve_program(*material, true);
   resolve_group = make_resolve_program(*material, false);
   resolve_defines = material->defines;
@@ -290,9 +292,9 @@ void SplatRenderer::Impl::resolve(int level) {
   bind_texture(program, "places", 2, geometry.places);
   bind_texture(program, "level_positions", 3, view.positions);
   bind_texture(program, "level_sums", 4, view.sums);
-  bind_texture(program, "level_moments", 5, view.moments);
-  int unit = 6;
+  int unit = 5;
   if (level == 0) {
+    set_uniform(program, "near_r", static_cast<float>(tables.near_mm));
     bind_texture(program, "level_normals", unit++, view.normals);
     bind_texture(program, "level_near", unit++, view.near);
     if (material->is_sparse) {
@@ -336,6 +338,7 @@ SplatRenderer::SplatRenderer(const GlLimits& limits, const Scene& scene, const S
   impl.mesh_buffers = make_mesh_buffers(impl.mesh);
   impl.geometry_program = make_geometry_program();
   impl.splat_programs = make_splat_programs();
+  impl.source_programs = make_source_programs();
   if (!limits.float_blend)
     impl.report.warnings.emplace_back("the graphics driver sums in 16 bits only");
   const auto* dipole = std::get_if<Dipole>(&material);
@@ -395,7 +398,7 @@ void SplatRenderer::draw(bool timed, const Progress& progress) {
     return watch.lap();
   };
   if (impl.view_is_old) impl.make_view();
-  if (impl.groups_are_old) group_sources(impl.sources);
+  if (impl.groups_are_old) group_sources(impl.sources, impl.source_programs);
   impl.groups_are_old = false;
   impl.report.group_s = lap();
   if (!impl.view_is_drawn) {
@@ -431,7 +434,7 @@ const std::vector<float>& SplatRenderer::coverage() const {
 }
 
 Rgb SplatRenderer::level_flux(int level) const {
-  if (impl_->groups_are_old) group_sources(impl_->sources);
+  if (impl_->groups_are_old) group_sources(impl_->sources, impl_->source_programs);
   impl_->groups_are_old = false;
   return total_flux(impl_->sources, level);
 }

@@ -2,7 +2,8 @@
 //
 //   B = sum_i w(r) A(r) a_i(r) flux_i,   B1 = sum_i r w(r) A(r) a_i(r) flux_i
 //
-// a = exp(h), A the reference profile's, w the level's part of the partition of unity in ln r.
+// a = exp(h), A the reference profile's, w the level's part of the partition of unity in ln r. B1 is
+// summed over the channels.
 uniform sampler2DArray level_positions;
 uniform int layer;
 uniform sampler2D level_table;  // [i]: 2 ln A and w in the middle of step i
@@ -11,8 +12,7 @@ uniform float node_r5[5];       // mm
 uniform float reach;
 flat in vec3 splat_position;
 flat in vec3 splat_log[5];
-layout(location = 0) out vec4 out_sum;
-layout(location = 1) out vec4 out_moment;
+layout(location = 0) out vec4 out_sum;  // B; B1
 #ifdef SINGLE
 // Near term (transport/near_term.h): within near_mm the part of the target's own side is apart.
 uniform sampler2DArray level_normals;
@@ -22,9 +22,9 @@ uniform float area_mm2;
 uniform vec3 reference_share;  // 1/3 over the integral of A^2 w_near, per channel
 flat in vec3 splat_flux;
 flat in vec3 splat_normal;
-layout(location = 2) out vec4 out_near;
+layout(location = 1) out vec4 out_near;  // of the near term; its weight
 #ifdef MEAN
-layout(location = 3) out vec4 out_mean;
+layout(location = 2) out vec4 out_mean;  // flux around; the area that it enters through
 #endif
 
 float near_weight(float r, float radius) {
@@ -50,17 +50,14 @@ void main() {
 #ifdef SINGLE
   float w = near_weight(r, near_mm);
   bool is_near = w > 0.0 && dot(texelFetch(level_normals, ivec3(texel, layer), 0).xyz, splat_normal) > 0.0;
-  vec3 close = is_near ? w * value : vec3(0.0);
-  float of_mean = is_near ? near_weight(r, mean_mm) : 0.0;
+  if (!is_near) w = 0.0;
+  vec3 close = w * value;
   value -= close;
-  out_sum = vec4(value, is_near ? w * area_mm2 * dot(exp(entry.rgb), reference_share) : 0.0);
-  out_moment = vec4(r * value, of_mean * area_mm2);
-  out_near = vec4(close, r * (close.r + close.g + close.b));
+  out_near = vec4(close, w * area_mm2 * dot(exp(entry.rgb), reference_share));
 #ifdef MEAN
-  out_mean = vec4(of_mean * splat_flux, 0.0);
+  float of_mean = is_near ? near_weight(r, mean_mm) : 0.0;
+  out_mean = of_mean * vec4(splat_flux, area_mm2);
 #endif
-#else
-  out_sum = vec4(value, 0.0);
-  out_moment = vec4(r * value, 0.0);
 #endif
+  out_sum = vec4(value, r * (value.r + value.g + value.b));
 }
