@@ -111,6 +111,28 @@ void bench_stages(const GlLimits& limits) {
   }
 }
 
+void bench_probe(const GlLimits& limits) {
+  Scene scene = make_scene();
+  for (const bool blend : {false, true}) {
+    if (blend) scene.material = Material(stone_blend());
+    SplatParams params;
+    params.samples = 50'000;
+    params.antialias = 1;
+    SplatRenderer renderer(limits, scene, params);
+    std::vector<double> best(10, 1e30);
+    double resolve = 1e30;
+    for (int run = 0; run < 5; ++run) {
+      renderer.draw(true);
+      for (std::size_t l = 0; l < renderer.report().level_s.size(); ++l)
+        best[l] = std::min(best[l], renderer.report().level_s[l]);
+      resolve = std::min(resolve, renderer.report().resolve_s);
+    }
+    for (std::size_t l = 0; l < renderer.report().level_s.size(); ++l)
+      fmt::print("level {} block {}: {:.1f} ms; ", l, renderer.report().blocks[l], 1e3 * best[l]);
+    fmt::print("resolve {:.1f}\n", 1e3 * resolve);
+  }
+}
+
 double seconds_of(const std::function<void()>& work) {
   double best = 1e30;
   for (int run = 0; run < 5; ++run) {
@@ -221,6 +243,7 @@ int main(int argc, char** argv) {
     fmt::print("{}, {}\n", context.limits().renderer, context.limits().version);
     if (is_chosen("accuracy"))
       parian::study_accuracy({.name = "splatting", .folder = "out/bench", .docs = {}}, context.limits());
+    if (is_chosen("probe")) parian::bench_probe(context.limits());
     if (is_chosen("rate")) parian::bench_rate();
     if (is_chosen("stages")) parian::bench_stages(context.limits());
     if (is_chosen("edit")) parian::bench_edit(context.limits());

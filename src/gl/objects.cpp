@@ -334,6 +334,18 @@ void draw_squares(int count) {
   glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
 }
 
+void draw_points(int count) {
+  const GlHandle<destroy_vertex_array> none = bind_no_vertices();
+  if (epoxy_is_desktop_gl()) glEnable(GL_PROGRAM_POINT_SIZE);
+  glDrawArrays(GL_POINTS, 0, count);
+}
+
+float largest_point_size() {
+  std::array<float, 2> range{};
+  glGetFloatv(GL_ALIASED_POINT_SIZE_RANGE, range.data());
+  return range[1];
+}
+
 void draw_screen() {
   glDisable(GL_DEPTH_TEST);
   draw_triangle();

@@ -129,6 +129,9 @@ void draw_screen_on_surface();
 void draw_triangle();
 // Four corners in a strip, `count` times.
 void draw_squares(int count);
+// `count` points of the size that the vertex shader says; at most largest_point_size() pixels.
+void draw_points(int count);
+float largest_point_size();
 void set_additive_blending(bool enabled);
 
 // Throws Error naming `where` when OpenGL has recorded an error: contract, or resource where memory

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace parian {
@@ -90,6 +91,16 @@ void represent(const ViewPyramid& pyramid, const ViewLevel& level, const SplatPr
   }
 }
 
+// The largest picture of a sphere of this radius around a point of the mesh, over the picture's
+// height: at the nearest depth, at a corner of the view, where it is stretched most.
+double largest_splat(const SplatCamera& camera, double radius) {
+  const double depth = static_cast<double>(camera.near_mm);
+  if (depth <= 1.1 * radius) return std::numeric_limits<double>::infinity();
+  const double x = camera.frame.half_width, y = camera.frame.half_height;
+  const double stretch = 1 + x * x + y * y;
+  return 1.1 * stretch * radius / (std::sqrt(depth * depth - radius * radius) * y);
+}
+
 }  // namespace
 
 std::size_t ViewPyramid::bytes() const {
@@ -134,10 +145,18 @@ SplatPrograms make_splat_programs() {
   const std::string tiles = fmt::format("TILE {}", tile);
   programs.tiles = make_program(screen, {"tiles_fragment.glsl"}, {tiles});
   const std::vector<std::string_view> vertex{"camera.glsl", "sources.glsl", "splat_vertex.glsl"};
-  programs.splat_single = make_program(vertex, {"splat_fragment.glsl"}, {"SINGLE", tiles});
-  programs.splat_single_mean =
-      make_program(vertex, {"splat_fragment.glsl"}, {"SINGLE", "MEAN", tiles});
-  programs.splat_group = make_program(vertex, {"splat_fragment.glsl"}, {tiles});
+  const auto make = [&](std::vector<std::string> defines) {
+    defines.push_back(tiles);
+    SplatProgram program;
+    program.squares = make_program(vertex, {"splat_fragment.glsl"}, defines);
+    defines.emplace_back("POINTS");
+    program.points = make_program(vertex, {"splat_fragment.glsl"}, defines);
+    return program;
+  };
+  programs.single = make({"SINGLE"});
+  programs.single_mean = make({"SINGLE", "MEAN"});
+  programs.group = make({});
+  programs.largest_point = largest_point_size();
   return programs;
 }
 
@@ -217,16 +236,18 @@ void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, cons
   const ViewLevel& view = pyramid.levels[l];
   const SourceLevel& source = sources.levels[l];
   const int targets = level > 0 ? 1 : view.mean.handle.get() == 0 ? 2 : 3;
-  const Program& program = targets == 1   ? programs.splat_group
-                           : targets == 2 ? programs.splat_single
-                                          : programs.splat_single_mean;
+  const SplatProgram& of_level = targets == 1   ? programs.group
+                                 : targets == 2 ? programs.single
+                                                : programs.single_mean;
+  const double reach = std::min(input.radial.last_mm(level), input.max_support_mm);
+  const bool as_points =
+      largest_splat(camera, reach) * view.positions.height <= programs.largest_point;
+  const Program& program = as_points ? of_level.points : of_level.squares;
   use(program);
   set_camera(program, camera);
   set_level_nodes(program, input, level);
   set_uniform(program, "source_lines", source.lines);
-  set_uniform(
-      program, "reach",
-      static_cast<float>(std::min(input.radial.last_mm(level), input.max_support_mm)));
+  set_uniform(program, "reach", static_cast<float>(reach));
   set_uniform(program, "table_range", input.tables.range[l]);
   bind_texture(program, "source_positions", 0, source.positions);
   bind_texture(program, "source_rows", 1, source.rows);
@@ -253,7 +274,7 @@ void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, cons
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);
     glDepthMask(GL_FALSE);
-    draw_squares(source.count);
+    as_points ? draw_points(source.count) : draw_squares(source.count);
   }
   set_additive_blending(false);
   glDisable(GL_DEPTH_TEST);

@@ -47,9 +47,13 @@ struct SplatFormat {
 ViewPyramid make_view_pyramid(const SplatCamera& camera, const RadialLevels& radial,
                               double spacing_mm, double texel_spacings, SplatFormat format);
 
+struct SplatProgram {
+  Program points, squares;
+};
 struct SplatPrograms {
   Program reduce_first, reduce, represent_pixels, represent, tiles;
-  Program splat_single, splat_single_mean, splat_group;
+  SplatProgram single, single_mean, group;
+  float largest_point = 1;  // texels
 };
 SplatPrograms make_splat_programs();
 

@@ -409,11 +409,13 @@ void SplatRenderer::draw(bool timed, const Progress& progress) {
   }
   impl.report.view_s = lap();
   impl.report.splat_s = impl.report.resolve_s = 0;
+  impl.report.level_s.clear();
   for (int level = 0; level < impl.radial.count; ++level) {
     advance_progress(progress, "splatting",
                      static_cast<double>(level) / static_cast<double>(impl.radial.count));
     splat_level(impl.pyramid, impl.splat_programs, impl.sources, impl.input(), impl.camera, level);
-    impl.report.splat_s += lap();
+    impl.report.level_s.push_back(lap());
+    impl.report.splat_s += impl.report.level_s.back();
     impl.resolve(level);
     impl.report.resolve_s += lap();
   }

@@ -56,7 +56,8 @@ struct SplatReport {
   double escaping_fraction = 0;  // of rays sent inwards: holes in the mesh
   std::size_t targets = 0;       // pixels drawn
   int levels = 0;
-  std::vector<int> blocks;  // pixels of each level's texels
+  std::vector<int> blocks;     // pixels of each level's texels
+  std::vector<double> level_s;  // of splat_s
   std::size_t texture_bytes = 0;
   std::string device;
   std::vector<std::string> warnings;

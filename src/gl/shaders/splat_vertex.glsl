@@ -1,5 +1,6 @@
-// A splat: a camera-facing quad around the sphere that a source reaches at this level. Its depth is
-// the sphere's nearest, so that the depth test drops surfaces in front of it.
+// A splat: a square around the picture of the sphere that a source reaches at this level, drawn as a
+// point where the device has points as large (POINTS), otherwise as a strip. Its depth is the
+// sphere's nearest, so that the depth test drops surfaces in front of it.
 uniform sampler2D source_positions;
 uniform sampler2D source_rows;
 #ifdef SINGLE
@@ -39,7 +40,12 @@ vec2 sphere_extent(float c, float z, float radius) {
 
 void main() {
   int width = textureSize(source_positions, 0).x;
+#ifdef POINTS
+  ivec2 texel = source_texel(gl_VertexID, width);
+  gl_PointSize = 1.0;
+#else
   ivec2 texel = source_texel(gl_InstanceID, width);
+#endif
   splat_position = texelFetch(source_positions, texel, 0).xyz;
   float radius = reach;
   vec3 flux = vec3(1.0);
@@ -72,6 +78,13 @@ void main() {
 #ifndef SINGLE
   if (most <= 0.0) return;
 #endif
+#ifdef POINTS
+  // Devices drop points whose centre lies outside, so it is that of the part inside.
+  vec2 size = 0.5 * (box.zw - box.xy) * level_size;
+  gl_PointSize = max(size.x, size.y) + 1.0;
+  gl_Position = vec4(0.5 * (box.xy + box.zw), depth, 1.0);
+#else
   gl_Position = vec4((gl_VertexID & 1) == 0 ? box.x : box.z, (gl_VertexID & 2) == 0 ? box.y : box.w,
                      depth, 1.0);
+#endif
 }
