@@ -1,12 +1,12 @@
 // Splatted pictures against those of the CPU renderer's tree, which takes the same samples.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include "bench/splat/study.h"
 #include "gl/splat_renderer.h"
 #include "image/metrics.h"
 #include "io/image/image_file.h"
-#include <cstdlib>
-#include <algorithm>
 #include "mesh/shapes.h"
 #include "render/render.h"
 #include "scene/camera.h"
@@ -50,11 +50,14 @@ std::vector<Case> make_cases() {
   cases.push_back(make_case("map, sun, knot", make_knot(2), Material(stone_map()), {sun}));
   cases.push_back(make_case("map, sun, dragon", dragon(), Material(stone_map()), {sun}));
   cases.push_back(make_case("map, sky, dragon", dragon(), Material(stone_map()), {sky}));
+  cases.push_back(make_case("blend, two lamps, dragon", dragon(), Material(stone_blend()),
+                            {lamps[0], lamps[1]}));
   cases.push_back(
-      make_case("blend, two lamps, dragon", dragon(), Material(stone_blend()), {lamps[0], lamps[1]}));
-  cases.push_back(make_case("marble, sun and sky, dragon", dragon(), Material(make_marble()), {sun, sky}));
-  cases.push_back(make_case("map, thin sheet lit from behind", make_fin(2), Material(stone_map()), {behind}, 40));
-  cases.push_back(make_case("marble, dragon lit from behind", dragon(), Material(make_marble()), {behind}));
+      make_case("marble, sun and sky, dragon", dragon(), Material(make_marble()), {sun, sky}));
+  cases.push_back(make_case("map, thin sheet lit from behind", make_fin(2), Material(stone_map()),
+                            {behind}, 40));
+  cases.push_back(
+      make_case("marble, dragon lit from behind", dragon(), Material(make_marble()), {behind}));
   return cases;
 }
 
@@ -85,16 +88,16 @@ void study_accuracy(const Page& page, const GlLimits& limits) {
         const std::string base = fmt::format("/tmp/pics/{}-{}", made.name.substr(0, 30), samples);
         Image difference = image;
         for (std::size_t i = 0; i < image.values.size(); ++i)
-          difference.values[i] = std::clamp(0.5f + 10 * (image.values[i] - reference.values[i]), 0.0f, 1.0f);
+          difference.values[i] =
+              std::clamp(0.5f + 10 * (image.values[i] - reference.values[i]), 0.0f, 1.0f);
         save_image(base + "-splat.png", image);
         save_image(base + "-tree.png", reference);
         save_image(base + "-diff.png", difference);
       }
-      table.rows.push_back({made.name, fmt::format("{}", samples),
-                            fmt::format("{:.2f} %", 100 * errors.mean),
-                            fmt::format("{:.2f} %", 100 * errors.p99),
-                            fmt::format("{:.1f} %", 100 * errors.max),
-                            fmt::format("{:.0f}", 1e3 * best)});
+      table.rows.push_back(
+          {made.name, fmt::format("{}", samples), fmt::format("{:.2f} %", 100 * errors.mean),
+           fmt::format("{:.2f} %", 100 * errors.p99), fmt::format("{:.1f} %", 100 * errors.max),
+           fmt::format("{:.0f}", 1e3 * best)});
     }
   }
   write_table(page, "accuracy", "", table);

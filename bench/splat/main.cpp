@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include <cstdlib>
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "bench/splat/study.h"
 #include "compress/compress.h"
-#include <cstdlib>
 #include "fit/fit.h"
 #include "gl/live_renderer.h"
 #include "gl/splat_rate.h"
@@ -242,7 +242,8 @@ int main(int argc, char** argv) {
     const parian::OffscreenContext context;
     fmt::print("{}, {}\n", context.limits().renderer, context.limits().version);
     if (is_chosen("accuracy"))
-      parian::study_accuracy({.name = "splatting", .folder = "out/bench", .docs = {}}, context.limits());
+      parian::study_accuracy({.name = "splatting", .folder = "out/bench", .docs = {}},
+                             context.limits());
     if (is_chosen("probe")) parian::bench_probe(context.limits());
     if (is_chosen("rate")) parian::bench_rate();
     if (is_chosen("stages")) parian::bench_stages(context.limits());

@@ -46,6 +46,9 @@ NearValues integrate_near(const std::vector<float>& knots, const float* half_log
   return values;
 }
 
+// Counts of samples are cut here.
+constexpr float most_samples = 1e6f;
+
 // Rows of the field at all pixels, turned into the planes that the textures hold.
 struct Planes {
   std::vector<float> support, half_log, integral, count;
@@ -60,12 +63,17 @@ void fill_pixel(const ProfileField& field, const std::vector<float>& nodes, doub
   std::vector<float> row(field.row());
   std::array<float, 3> support{};
   field.eval(x, y, row.data(), support.data());
+  if (support[0] <= 0) {
+    std::fill_n(&planes.count[3 * pixel], 3, most_samples);
+    return;
+  }
   for (std::size_t c = 0; c < 3; ++c) {
     planes.support[3 * pixel + c] = support[c];
     const NearValues near = integrate_near(field.knots_mm, &row[c], support[c], near_mm);
     planes.integral[3 * pixel + c] = static_cast<float>(near.integral);
     planes.count[3 * pixel + c] = static_cast<float>(
-        std::min(1e6, near.integral * near.integral / std::max(1e-300, area_mm2 * near.square)));
+        std::min(static_cast<double>(most_samples),
+                 near.integral * near.integral / std::max(1e-300, area_mm2 * near.square)));
     if (!with_rows) continue;
     for (std::size_t j = 0; j < nodes.size(); ++j)
       planes.half_log[3 * (j * pixels + pixel) + c] =
@@ -180,7 +188,7 @@ std::size_t MaterialTextures::bytes() const {
   return sum;
 }
 
-MaterialTextures make_material_textures(const Material& material, const ProfileField& field,
+MaterialTextures make_material_textures(const ProfileBlend* blend, const ProfileField& field,
                                         const RadialLevels& levels, double area_mm2,
                                         double near_mm) {
   MaterialTextures textures;
@@ -193,7 +201,6 @@ MaterialTextures make_material_textures(const Material& material, const ProfileF
   textures.reference = make_reference(field);
   textures.defines.push_back(fmt::format("NODES {}", levels.nodes.size()));
   if (field.width == 1 && field.height == 1) textures.defines.emplace_back("UNIFORM");
-  const auto* blend = std::get_if<ProfileBlend>(&material);
   if (blend != nullptr && !blend->dilation.empty()) blend = nullptr;
   const Planes planes =
       make_planes(field, levels.nodes, area_mm2, near_mm, /*with_rows=*/blend == nullptr);

@@ -78,8 +78,7 @@ double level_weight(const RadialLevels& levels, int level, double r_mm) {
   const double u = std::log2(std::max(r_mm, 1e-30) / levels.level_radius(level));
   const double rise = (u + 0.5) / levels.overlap + 0.5, fall = 0.5 - (u - 0.5) / levels.overlap;
   const double below = level == 0 ? 1 : smooth_step(std::clamp(rise, 0.0, 1.0));
-  const double above =
-      level + 1 == levels.count ? 1 : smooth_step(std::clamp(fall, 0.0, 1.0));
+  const double above = level + 1 == levels.count ? 1 : smooth_step(std::clamp(fall, 0.0, 1.0));
   return below * above;
 }
 

@@ -1,5 +1,5 @@
-// How far an image is from a reference: mean squared error, PSNR, SSIM, relative errors. Values must be finite;
-// grids and channels must agree (a contract check).
+// How far an image is from a reference: mean squared error, PSNR, SSIM, relative errors. Values
+// must be finite; grids and channels must agree (a contract check).
 #pragma once
 
 #include <cstddef>
@@ -26,8 +26,8 @@ struct RelativeErrors {
   double mean = 0, p99 = 0, max = 0;  // over pixels; p99: exceeded by one in a hundred
   std::size_t pixels = 0;
 };
-// Of three channels, |a - b| / (|b| + 1e-3 max |b|) with lengths over channels, over the pixels that
-// are covered wholly and not black in the reference. `coverage` [y][x] is 0 to 1.
+// Of three channels, |a - b| / (|b| + 1e-3 max |b|) with lengths over channels, over the pixels
+// that are covered wholly and not black in the reference. `coverage` [y][x] is 0 to 1.
 RelativeErrors relative_errors(const Image& reference, const Image& image,
                                const std::vector<float>& coverage);
 

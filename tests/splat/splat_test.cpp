@@ -147,5 +147,50 @@ TEST(Splat, ThinSheetLitFromBehind) {
       "fin");
 }
 
+// A gradient into another map, and a ball of a third material whose albedo alone counts.
+TEST(Splat, LayersOverAMap) {
+  Scene scene = make_scene(make_knot(2), Material(make_chequered_map()), {make_sun({1, 2, 1})});
+  ProfileMap pale = make_chequered_map();
+  for (float& value : pale.log_profile) value = 0.8f * value - 0.7f;
+  SurfaceLayer gradient;
+  gradient.material = pale;
+  gradient.mask = {{GradientMask{{-15, 0, 0}, {15, 0, 0}}}};
+  SurfaceLayer ball;
+  ball.material = make_mixed_blend();
+  ball.mask = {{SphereMask{center(bounds(scene.mesh)) + Vec3{12, 0, 8}, 12, 2}}};
+  ball.range = ball.shape = 0;
+  scene.layers = {gradient, ball};
+  expect_like_reference(scene, "layers");
+}
+
+TEST(Splat, LayersFollowMaterialAndCamera) {
+  Scene scene = make_scene(make_knot(1), Material(make_chequered_map()), {make_sun({1, 2, 1})});
+  SurfaceLayer layer;
+  layer.material = make_mixed_blend();
+  layer.mask = {{GradientMask{{-15, 0, 0}, {15, 0, 0}}}};
+  scene.layers = {layer};
+  SplatParams params = make_params();
+  params.samples = 3000;
+  params.antialias = 2;
+  const OffscreenContext context;
+  SplatRenderer renderer(context.limits(), scene, params);
+  renderer.draw();
+  const Image first = renderer.read();
+  Scene other = scene;
+  other.camera.position = scene.camera.target + Vec3{0, 100, 80};
+  other.material = Material(make_mixed_blend());
+  renderer.set_camera(other.camera);
+  renderer.set_material(std::get<Material>(other.material));
+  renderer.draw();
+  const Image second = renderer.read();
+  SplatRenderer fresh(context.limits(), other, params);
+  fresh.draw();
+  EXPECT_EQ(second.values, fresh.read().values);
+  renderer.set_camera(scene.camera);
+  renderer.set_material(std::get<Material>(scene.material));
+  renderer.draw();
+  EXPECT_EQ(renderer.read().values, first.values);
+}
+
 }  // namespace
 }  // namespace parian

@@ -4,7 +4,8 @@
 //   M = B a_o(B1 / B) / A(B1 / B),
 //
 // which is exact to first order in r within the level (B1 / B of the channels together), and leaves the texture of a_o as sharp as
-// the picture.
+// the picture. PIXELS: the material has a profile for each pixel of the picture, drawn PIXELS x
+// PIXELS times.
 uniform sampler2D positions;
 uniform sampler2D normals;
 uniform sampler2D places;
@@ -109,7 +110,11 @@ void main() {
 #ifndef SINGLE
   if (result == vec3(0.0)) discard;
 #endif
+#ifdef PIXELS
+  Corners corners = Corners(pixel / PIXELS, pixel / PIXELS, vec2(0.0));
+#else
   Corners corners = find_corners(texelFetch(places, pixel, 0).xy);
+#endif
   vec3 support = mix_corners(corners, material_support);
   result *= exp(log_ratio_at(corners, support, r));
 #ifdef SINGLE
