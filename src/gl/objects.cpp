@@ -366,14 +366,20 @@ void set_additive_blending(bool enabled) {
   glBlendFunc(GL_ONE, GL_ONE);
 }
 
+Error make_gl_error(std::uint32_t error, const char* where) {
+  if (error == GL_CONTEXT_LOST)
+    return Error({{}, where, "a graphics device", "none: it was lost or reset; start again"},
+                 ErrorKind::resource);
+  if (error == GL_OUT_OF_MEMORY)
+    return Error(
+        {{}, where, "memory of the graphics device (a smaller picture needs less)", "none left"},
+        ErrorKind::resource);
+  return Error({{}, where, "no OpenGL error", fmt::format("{:#x}", error)}, ErrorKind::contract);
+}
+
 void check_gl(const char* where) {
   const GLenum error = glGetError();
-  if (error == GL_NO_ERROR) return;
-  if (error == GL_CONTEXT_LOST)
-    throw Error({{}, where, "a graphics device", "none: it was lost or reset; start again"},
-                ErrorKind::resource);
-  throw Error({{}, where, "no OpenGL error", fmt::format("{:#x}", error)},
-              error == GL_OUT_OF_MEMORY ? ErrorKind::resource : ErrorKind::contract);
+  if (error != GL_NO_ERROR) throw make_gl_error(error, where);
 }
 
 void finish_gl() {

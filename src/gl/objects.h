@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "image/image.h"
 #include "math/vec.h"
 
@@ -137,6 +138,8 @@ void set_additive_blending(bool enabled);
 // Throws Error naming `where` when OpenGL has recorded an error: contract, or resource where memory
 // ran out or the device was lost.
 void check_gl(const char* where);
+// What that throws for an OpenGL error number.
+Error make_gl_error(std::uint32_t error, const char* where);
 // Waits until everything is drawn: for timing.
 void finish_gl();
 

@@ -145,17 +145,20 @@ SplatPrograms make_splat_programs() {
   const std::string tiles = fmt::format("TILE {}", tile);
   programs.tiles = make_program(screen, {"tiles_fragment.glsl"}, {tiles});
   const std::vector<std::string_view> vertex{"camera.glsl", "sources.glsl", "splat_vertex.glsl"};
-  const auto make = [&](std::vector<std::string> defines) {
+  const auto make = [&](std::vector<std::string> defines,
+                        std::string_view fragment = "splat_fragment.glsl") {
     defines.push_back(tiles);
     SplatProgram program;
-    program.squares = make_program(vertex, {"splat_fragment.glsl"}, defines);
+    program.squares = make_program(vertex, {fragment}, defines);
     defines.emplace_back("POINTS");
-    program.points = make_program(vertex, {"splat_fragment.glsl"}, defines);
+    program.points = make_program(vertex, {fragment}, defines);
     return program;
   };
   programs.single = make({"SINGLE"});
   programs.single_mean = make({"SINGLE", "MEAN"});
   programs.group = make({});
+  programs.bare_single = make({"SINGLE"}, "bare_fragment.glsl");
+  programs.bare_group = make({}, "bare_fragment.glsl");
   programs.largest_point = largest_point_size();
   return programs;
 }
@@ -231,12 +234,13 @@ void set_level_nodes(const Program& program, const SplatInput& input, int level)
 }
 
 void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, const Sources& sources,
-                 const SplatInput& input, const SplatCamera& camera, int level) {
+                 const SplatInput& input, const SplatCamera& camera, int level, bool is_bare) {
   const auto l = static_cast<std::size_t>(level);
   const ViewLevel& view = pyramid.levels[l];
   const SourceLevel& source = sources.levels[l];
   const int targets = level > 0 ? 1 : view.mean.handle.get() == 0 ? 2 : 3;
-  const SplatProgram& of_level = targets == 1   ? programs.group
+  const SplatProgram& of_level = targets == 1   ? (is_bare ? programs.bare_group : programs.group)
+                                 : is_bare      ? programs.bare_single
                                  : targets == 2 ? programs.single
                                                 : programs.single_mean;
   const double reach = std::min(input.radial.last_mm(level), input.max_support_mm);

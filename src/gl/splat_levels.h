@@ -53,6 +53,7 @@ struct SplatProgram {
 struct SplatPrograms {
   Program reduce_first, reduce, represent_pixels, represent, tiles;
   SplatProgram single, single_mean, group;
+  SplatProgram bare_single, bare_group;  // the same squares with nothing computed, for measuring
   float largest_point = 1;  // texels
 };
 SplatPrograms make_splat_programs();
@@ -81,8 +82,9 @@ struct SplatInput {
 };
 // Reference and radii at the nodes of a level.
 void set_level_nodes(const Program& program, const SplatInput& input, int level);
-// Clears a level's targets and adds its emitters.
+// Clears a level's targets and adds its emitters; `is_bare`: a constant in place of each.
 void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, const Sources& sources,
-                 const SplatInput& input, const SplatCamera& camera, int level);
+                 const SplatInput& input, const SplatCamera& camera, int level,
+                 bool is_bare = false);
 
 }  // namespace parian

@@ -23,7 +23,7 @@ ParamList describe(SplatParams& params) {
            .help = "radius of the first level in spacings of the samples",
            .target = &params.octave,
            .min = 2,
-           .max = 1024},
+           .max = 16},
           {.name = "overlap",
            .help = "octaves within which a level gives way to the next",
            .target = &params.overlap,

@@ -255,6 +255,17 @@ const std::vector<float>& SplatRenderer::coverage() const {
   return impl_->coverage;
 }
 
+double SplatRenderer::time_bare_splats() {
+  Impl& impl = *impl_;
+  finish_gl();
+  Stopwatch watch;
+  for (int level = 0; level < impl.radial.count; ++level)
+    splat_level(impl.pyramid, impl.splat_programs, impl.sources, impl.input(), impl.camera, level,
+                /*is_bare=*/true);
+  finish_gl();
+  return watch.lap();
+}
+
 Rgb SplatRenderer::level_flux(int level) const {
   if (impl_->groups_are_old) group_sources(impl_->sources, impl_->source_programs);
   impl_->groups_are_old = false;

@@ -86,6 +86,9 @@ class SplatRenderer {
   Image read();
   // Of the last picture: 1 where the mesh is seen by all n x n, 0 by none.
   const std::vector<float>& coverage() const;
+  // Seconds that the device takes for all splats of the last picture when a constant is added in
+  // place of what they are worth: the limit that splat_s is judged by. Draw again afterwards.
+  double time_bare_splats();
   // Sum of the flux over the emitters of a level, W: the same for all of them.
   Rgb level_flux(int level) const;
 
