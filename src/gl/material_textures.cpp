@@ -151,11 +151,12 @@ void add_blend(const ProfileBlend& blend, MaterialTextures& textures) {
   textures.base = make_texture(TexelFormat::rgb32f, static_cast<int>(textures.nodes.size()) + 2,
                                static_cast<int>(blend.bases()), "base profiles",
                                make_base_rows(blend, textures.nodes).data());
-  std::vector<float> weight(per_pixel * pixels), of_pixel(per_pixel), gain(3 * pixels, 0.0f);
+  std::vector<float> weight(per_pixel * pixels), of_pixel(per_pixel), gain;
+  if (!blend.gain.empty()) gain.resize(3 * pixels);
   for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
     get_weights(blend, pixel, of_pixel.data());
     for (std::size_t k = 0; k < per_pixel; ++k) weight[k * pixels + pixel] = of_pixel[k];
-    if (blend.gain.empty()) continue;
+    if (gain.empty()) continue;
     for (std::size_t c = 0; c < 3; ++c)
       gain[3 * pixel + c] =
           0.5f *
@@ -166,6 +167,8 @@ void add_blend(const ProfileBlend& blend, MaterialTextures& textures) {
                                       blend.per_pixel, "blend indices", blend.index.data());
   textures.weight = make_texture_array(TexelFormat::r32f, blend.width, blend.height,
                                        blend.per_pixel, "blend weights", weight.data());
+  if (gain.empty()) return;
+  textures.defines.emplace_back("GAIN");
   textures.gain =
       make_texture(TexelFormat::rgb32f, blend.width, blend.height, "blend gain", gain.data());
 }
@@ -232,7 +235,7 @@ int bind_material(const Program& program, const MaterialTextures& material, int 
   bind_texture(program, "base_rows", unit++, material.base);
   bind_texture(program, "blend_index", unit++, material.index);
   bind_texture(program, "blend_weight", unit++, material.weight);
-  bind_texture(program, "blend_gain", unit++, material.gain);
+  if (material.gain.handle.get() != 0) bind_texture(program, "blend_gain", unit++, material.gain);
   return unit;
 }
 

@@ -52,8 +52,8 @@ double spread_of(const std::vector<SurfacePoint>& points, const std::vector<std:
   std::size_t count = 0;
   for (std::size_t first = 0; first + group <= order.size(); first += group)
     for (std::size_t i = first + 1; i < first + group; ++i, ++count)
-      sum += static_cast<double>(
-          distance(points[order[first]].position, points[order[i]].position));
+      sum +=
+          static_cast<double>(distance(points[order[first]].position, points[order[i]].position));
   return sum / static_cast<double>(count) / std::sqrt(area_mm2 * static_cast<double>(group));
 }
 

@@ -19,7 +19,7 @@ using Files = std::vector<std::string_view>;
 std::vector<std::vector<std::string>> material_variants() {
   std::vector<std::vector<std::string>> variants;
   for (const char* kind : {"", "BLEND 1", "BLEND 2", "BLEND 5"})
-    for (const char* grid : {"", "UNIFORM"}) {
+    for (const char* grid : {"", "UNIFORM", "GAIN"}) {
       variants.push_back({"NODES 15"});
       for (const char* define : {kind, grid})
         if (*define != '\0') variants.back().emplace_back(define);
@@ -47,8 +47,7 @@ void compile_materials() {
 void compile_transport() {
   const Files screen{"screen_vertex.glsl"};
   for (const char* single : {"SINGLE 0", "SINGLE 1"})
-    EXPECT_NO_THROW(
-        (void)make_program(screen, {"transport_fragment.glsl"}, {single, "LAYERS 15"}));
+    EXPECT_NO_THROW((void)make_program(screen, {"transport_fragment.glsl"}, {single, "LAYERS 15"}));
   EXPECT_NO_THROW(
       (void)make_program({"camera.glsl", "exitance_vertex.glsl"}, {"exitance_fragment.glsl"}));
 }
@@ -62,8 +61,8 @@ TEST(Shaders, CompileInBothKindsOfContexts) {
     EXPECT_NO_THROW((void)make_source_programs());
     EXPECT_NO_THROW((void)make_shading_programs());
     EXPECT_NO_THROW((void)make_geometry_program());
-    EXPECT_NO_THROW((void)make_lamp_program(
-        {"fresnel.glsl", "lamp.glsl", "lamp_flux_fragment.glsl"}));
+    EXPECT_NO_THROW(
+        (void)make_lamp_program({"fresnel.glsl", "lamp.glsl", "lamp_flux_fragment.glsl"}));
     EXPECT_NO_THROW((void)make_program({"shadow_vertex.glsl"}, {"shadow_fragment.glsl"}));
     EXPECT_GT(measure_splat_rate(64, 64, 10, 4).splats_per_s, 0);
     check_gl("all shaders");
@@ -73,11 +72,27 @@ TEST(Shaders, CompileInBothKindsOfContexts) {
 // Names of GLSL ES 3.10 and above, and of desktop GLSL.
 TEST(Shaders, UseNothingBeyondGlslEs300) {
   for (const std::string_view name : shader_names())
-    for (const char* word :
-         {"imageLoad", "imageStore", "shared ", "buffer ", "atomic", "textureGather", "double",
-          "gl_Layer", "gl_ViewportIndex", "gl_ClipDistance", "#extension", "#version",
-          "sampler1D", "samplerBuffer", "image2D", "layout(binding", "bitCount", "fma(",
-          "dvec", "gl_FragColor", "texture2D("})
+    for (const char* word : {"imageLoad",
+                             "imageStore",
+                             "shared ",
+                             "buffer ",
+                             "atomic",
+                             "textureGather",
+                             "double",
+                             "gl_Layer",
+                             "gl_ViewportIndex",
+                             "gl_ClipDistance",
+                             "#extension",
+                             "#version",
+                             "sampler1D",
+                             "samplerBuffer",
+                             "image2D",
+                             "layout(binding",
+                             "bitCount",
+                             "fma(",
+                             "dvec",
+                             "gl_FragColor",
+                             "texture2D("})
       EXPECT_EQ(shader_source(name).find(word), std::string_view::npos) << name << ": " << word;
 }
 

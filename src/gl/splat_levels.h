@@ -54,7 +54,7 @@ struct SplatPrograms {
   Program reduce_first, reduce, represent_pixels, represent, tiles;
   SplatProgram single, single_mean, group;
   SplatProgram bare_single, bare_group;  // the same squares with nothing computed, for measuring
-  float largest_point = 1;  // texels
+  float largest_point = 1;               // texels
 };
 SplatPrograms make_splat_programs();
 

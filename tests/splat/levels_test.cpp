@@ -46,8 +46,8 @@ TEST(Levels, HoldTheFluxOfTheLightEach) {
 
 TEST(Levels, TheirNumberDoesNotChangeThePicture) {
   const OffscreenContext context;
-  const Scene scene = make_scene(make_knot(2), Material(make_chequered_map()),
-                                 {make_sun({1, 2, 1}), make_sky()});
+  const Scene scene =
+      make_scene(make_knot(2), Material(make_chequered_map()), {make_sun({1, 2, 1}), make_sky()});
   SplatParams params = make_params();
   params.samples = 20000;
   params.rays = 32;

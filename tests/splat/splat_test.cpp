@@ -47,6 +47,15 @@ TEST(Splat, BlendUnderTwoLamps) {
                         "blend");
 }
 
+TEST(Splat, BlendWithAGainUnderASun) {
+  ProfileBlend blend = make_mixed_blend();
+  for (std::size_t i = 0; i < 3 * blend.pixels(); ++i)
+    blend.gain.push_back((i / 6) % 2 == 0 ? 1.0f : 0.5f);
+  check(blend, "test blend");
+  expect_like_reference(make_scene(make_knot(2), Material(blend), {make_sun({-1, 1, 1})}),
+                        "blend-gain");
+}
+
 TEST(Splat, HomogeneousMarble) {
   expect_like_reference(
       make_scene(make_knot(2), Material(make_marble()), {make_sun({-1, 1, 1}), make_sky()}),

@@ -8,7 +8,9 @@ uniform float node_r[NODES];         // mm
 uniform sampler2D base_rows;          // [base][node], then value and slope at the end of the knots
 uniform usampler2DArray blend_index;  // [k]
 uniform sampler2DArray blend_weight;  // [k]
+#ifdef GAIN
 uniform sampler2D blend_gain;         // 1/2 ln gain
+#endif
 uniform float blend_end;              // the last knot, mm
 uniform float blend_slope;            // least decay beyond it, 1/mm
 #else
@@ -31,7 +33,11 @@ vec3 pixel_half_log(ivec2 pixel, ivec2 nodes, float t) {
   vec2 r = vec2(node_r[nodes.x], node_r[nodes.y]);
   if (r.x > blend_end) from = end + slope * (r.x - blend_end);
   if (r.y > blend_end) to = end + slope * (r.y - blend_end);
-  return texelFetch(blend_gain, pixel, 0).rgb + mix(from, to, t);
+  vec3 h = mix(from, to, t);
+#ifdef GAIN
+  h += texelFetch(blend_gain, pixel, 0).rgb;
+#endif
+  return h;
 #else
   return mix(texelFetch(half_log_rows, ivec3(pixel, nodes.x), 0).rgb,
              texelFetch(half_log_rows, ivec3(pixel, nodes.y), 0).rgb, t);
