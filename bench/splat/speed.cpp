@@ -131,12 +131,10 @@ void study_samples(const Page& page, const GlLimits& limits) {
   for (const std::string sample : {"stone-72x64", "chessboard", "jade", "onyx", "blue-wax",
                                    "yellow-wax", "artificial-stone"}) {
     const SampleFiles files = make_sample_files(sample);
-    table.rows.push_back(measure_material(renderer, scene.camera, sample + ", map", [&] {
-      return Material(load_profile_map(files.map));
-    }));
-    table.rows.push_back(measure_material(renderer, scene.camera, sample + ", blend", [&] {
-      return Material(load_blend(files.blend));
-    }));
+    table.rows.push_back(measure_material(renderer, scene.camera, sample + ", map",
+                                          [&] { return Material(load_profile_map(files.map)); }));
+    table.rows.push_back(measure_material(renderer, scene.camera, sample + ", blend",
+                                          [&] { return Material(load_blend(files.blend)); }));
   }
   write_table(page, "samples",
               fmt::format("{}; the dragon of 871 k triangles, 1280 x 720, 50,000 samples; "

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "base/parallel.h"
+#include "transport/near_term.h"
 
 namespace parian {
 namespace {
@@ -19,11 +20,6 @@ float interpolate(const std::vector<float>& knots, const float* half_log, float 
   k = std::clamp<std::size_t>(k, 1, knots.size() - 1) - 1;
   const float t = (r - knots[k]) / (knots[k + 1] - knots[k]);
   return half_log[3 * k] + t * (half_log[3 * k + 3] - half_log[3 * k]);
-}
-
-double near_weight(double r, double near_mm) {
-  const double u = std::max(0.0, 1 - (r / near_mm) * (r / near_mm));
-  return u * u;
 }
 
 // I = int P w dA and int (P w)^2 dA over a plane, w the near term's weight: midpoints in r^2.

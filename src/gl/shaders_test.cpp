@@ -39,8 +39,9 @@ void compile_materials() {
     EXPECT_NO_THROW((void)make_program(screen, {"material.glsl", "rows_fragment.glsl"}, variant));
     for (const std::vector<std::string>& more :
          {std::vector<std::string>{}, {"SINGLE"}, {"SINGLE", "MEAN"}, {"SINGLE", "PIXELS 2"}})
-      EXPECT_NO_THROW((void)make_program(screen, {"material.glsl", "resolve_fragment.glsl"},
-                                         with(variant, more)));
+      EXPECT_NO_THROW(
+          (void)make_program(screen, {"material.glsl", "octahedral.glsl", "resolve_fragment.glsl"},
+                             with(variant, more)));
   }
 }
 

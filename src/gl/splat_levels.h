@@ -21,7 +21,7 @@ struct NearRadii {
 struct ViewLevel {
   int block = 1;  // pixels of a texel's side
   int layers = 1;
-  Texture positions, normals, sums;
+  Texture positions, sums;
   Texture near, mean;                  // of level 0
   std::vector<Texture> depth, tiles;   // of each layer
   std::vector<Framebuffer> represent;  // of each layer
@@ -42,10 +42,16 @@ struct SplatFormat {
   bool with_mean = true;  // the mean irradiance around texels, where samples are too few
 };
 
-// `spacing_mm` of the samples; a level's texels are `texel_spacings` of its emitters' spacing, at
-// least a pixel.
+// Sides of texels, in spacings of a level's emitters. Those of groups have to be small beside the
+// lengths over which profiles fall, too, or dark parts far from light become coarse.
+struct TexelSizes {
+  double spacing_mm = 1;  // of the samples
+  double samples = 0.75, groups = 0.3;
+  double wanted_mm(int level) const;
+};
+// Texels of powers of two pixels.
 ViewPyramid make_view_pyramid(const SplatCamera& camera, const RadialLevels& radial,
-                              double spacing_mm, double texel_spacings, SplatFormat format);
+                              const TexelSizes& texels, SplatFormat format);
 
 struct SplatProgram {
   Program points, squares;
@@ -65,12 +71,13 @@ void draw_pyramid(const ViewPyramid& pyramid, const SplatPrograms& programs,
 // Per level: w and the reference's logarithm over r, for splat_fragment.glsl.
 struct SplatTables {
   std::vector<Texture> table;
-  std::vector<Vec2> range;  // first radius and step, mm
-  Vec3 reference_share;
-  double near_mm = 0;  // the reference's mean radius in the near term
+  std::vector<Vec2> place;  // factor and offset from r to the entry
+  int near_steps = 0;       // entries of level 0 within the near term
+  double near_mm = 0;       // the reference's mean radius there
 };
+// `area_mm2` of a sample.
 SplatTables make_splat_tables(const RadialLevels& radial, const ReferenceProfile& reference,
-                              const NearRadii& near);
+                              const NearRadii& near, double area_mm2);
 
 // What all levels share.
 struct SplatInput {

@@ -21,7 +21,8 @@ Program make_resolve_program(const std::vector<std::string>& of_material, bool i
   std::vector<std::string> defines = of_material;
   if (is_single) defines.emplace_back("SINGLE");
   if (is_single && is_sparse) defines.emplace_back("MEAN");
-  return make_program({"screen_vertex.glsl"}, {"material.glsl", "resolve_fragment.glsl"}, defines);
+  return make_program({"screen_vertex.glsl"},
+                      {"material.glsl", "octahedral.glsl", "resolve_fragment.glsl"}, defines);
 }
 
 std::vector<Vec2> map_samples(const std::vector<SurfacePoint>& samples, const Mapping& mapping,
@@ -62,7 +63,7 @@ void SplatRenderer::Impl::set_material(const Material& next) {
   material = std::make_unique<MaterialTextures>(
       make_material_textures(is_layered ? nullptr : std::get_if<ProfileBlend>(&next), field, radial,
                              area_mm2, near.near_mm));
-  tables = make_splat_tables(radial, material->reference, near);
+  tables = make_splat_tables(radial, material->reference, near, area_mm2);
   const bool same_sources = same_boundary && same_grid && radial.count == old_levels;
   if (!same_sources) place_samples();
   if (!same_sources && same_boundary) put_flux();

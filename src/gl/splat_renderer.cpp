@@ -94,8 +94,7 @@ void SplatRenderer::Impl::make_view() {
   const GeometryBuffer& geometry = targets.geometry;
   if (geometry.positions.width != width || geometry.positions.height != height)
     targets = make_picture_targets(width, height);
-  pyramid = make_view_pyramid(camera, radial, std::sqrt(area_mm2), params.texel,
-                              {format.sums, material->is_sparse});
+  pyramid = make_view_pyramid(camera, radial, texel_sizes(), {format.sums, material->is_sparse});
   view_is_old = view_is_drawn = false;
   report.blocks.clear();
   for (const ViewLevel& level : pyramid.levels) report.blocks.push_back(level.block);
@@ -123,7 +122,6 @@ void SplatRenderer::Impl::resolve(int level) {
   int unit = 5;
   if (level == 0) {
     set_uniform(program, "near_r", static_cast<float>(tables.near_mm));
-    bind_texture(program, "level_normals", unit++, view.normals);
     bind_texture(program, "level_near", unit++, view.near);
     if (material->is_sparse) {
       bind_texture(program, "level_mean", unit++, view.mean);
@@ -133,8 +131,7 @@ void SplatRenderer::Impl::resolve(int level) {
   }
   bind_material(program, seen, unit);
   set_uniform(program, "block", view.block);
-  set_uniform(program, "softness",
-              static_cast<float>(0.7 * params.texel * std::ldexp(std::sqrt(area_mm2), level)));
+  set_uniform(program, "softness", static_cast<float>(0.7 * texel_sizes().wanted_mm(level)));
   set_level_nodes(program, input(), level);
   set_additive_blending(true);
   draw_screen_on_surface();

@@ -29,12 +29,13 @@ namespace parian {
 enum class LightMode { traced, mapped };
 
 struct SplatParams {
-  int samples = 50000;   // where light enters
-  int rays = 128;        // per sample and environment light
-  int antialias = 2;     // n x n pixels drawn per pixel
-  double octave = 3;     // radius of the first level in spacings of the samples
-  double overlap = 0.5;  // octaves within which a level gives way to the next
-  double texel = 0.75;   // texels of a level in spacings of its emitters
+  int samples = 50000;       // where light enters
+  int rays = 128;            // per sample and environment light
+  int antialias = 2;         // n x n pixels drawn per pixel
+  double octave = 3;         // radius of the first level in spacings of the samples
+  double overlap = 0.5;      // octaves within which a level gives way to the next
+  double texel = 0.75;       // of the first level in spacings of the samples
+  double group_texel = 0.3;  // of the others in spacings of their groups of samples
   LightMode lights = LightMode::traced;
   int shadow_size = 2048;    // texels of a shadow map's side
   int reflection_rays = 16;  // per pixel drawn and environment light

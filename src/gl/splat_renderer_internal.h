@@ -1,6 +1,7 @@
 // What the renderer keeps between changes.
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -77,6 +78,7 @@ struct SplatRenderer::Impl {
   ShadingInput shading_input() const {
     return {scene, camera, lit, material->boundary, material->eta, params.reflection_rays};
   }
+  TexelSizes texel_sizes() const { return {std::sqrt(area_mm2), params.texel, params.group_texel}; }
   SplatInput input() const { return {radial, material->reference, tables, near, max_support_mm}; }
 };
 

@@ -132,7 +132,7 @@ void draw_geometry(const GeometryBuffer& buffer, const Program& program, const M
 
 Program make_geometry_program() {
   return make_program({"camera.glsl", "surface_vertex.glsl"},
-                      {"camera.glsl", "mapping.glsl", "surface_fragment.glsl"});
+                      {"camera.glsl", "mapping.glsl", "octahedral.glsl", "surface_fragment.glsl"});
 }
 
 }  // namespace parian

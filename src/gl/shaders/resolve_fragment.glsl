@@ -12,7 +12,6 @@ uniform sampler2D places;
 uniform sampler2DArray level_positions;
 uniform sampler2DArray level_sums;
 #ifdef SINGLE
-uniform sampler2DArray level_normals;
 uniform sampler2DArray level_near;
 uniform float near_r;             // mm: mean radius of the near term
 uniform sampler2D near_count;     // of the material's pixels: number of samples in the near term
@@ -53,7 +52,7 @@ float apart(ivec3 texel, vec3 position, vec3 normal) {
   vec3 d = (there.xyz - position) / softness;
   float result = dot(d, d);
 #ifdef SINGLE
-  result += 4.0 * (1.0 - dot(texelFetch(level_normals, texel, 0).xyz, normal));
+  result += 4.0 * (1.0 - dot(normalize(unpack_direction(there.w)), normal));
 #endif
   return result;
 }

@@ -15,7 +15,8 @@ uniform int level_nodes[5];       // indices
 uniform vec3 reference_nodes[5];  // ln of the reference there
 uniform float reach;              // mm
 flat out vec3 splat_position;
-flat out vec3 splat_log[5];       // ln(moment / reference) at the level's nodes
+flat out vec3 splat_log;          // log2(moment / reference) at the first of them
+flat out vec3 splat_steps[4];     // from one to the next
 
 uniform sampler2D tiles;  // tiles_fragment.glsl
 uniform vec2 level_size;  // texels
@@ -69,11 +70,18 @@ void main() {
   if (v.z < -radius || !is_seen(box, 0.5 + 0.5 * depth)) return;
 
   float most = 0.0;
+  vec3 before = vec3(0.0);
   for (int k = 0; k < 5; ++k) {
     vec3 value = flux * texelFetch(source_rows,
                                    ivec2(texel.x, texel.y + level_nodes[k] * source_lines), 0).rgb;
     most = max(most, max(value.r, max(value.g, value.b)));
-    splat_log[k] = log(max(value, 1e-30)) - reference_nodes[k];
+    vec3 here = log2(max(value, 1e-30)) - 1.44269504 * reference_nodes[k];
+    if (k == 0) {
+      splat_log = here;
+    } else {
+      splat_steps[k - 1] = here - before;
+    }
+    before = here;
   }
 #ifndef SINGLE
   if (most <= 0.0) return;
