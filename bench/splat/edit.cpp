@@ -91,13 +91,14 @@ void study_live(const Page& page, const GlLimits& limits) {
       renderer.draw(true);
       (void)renderer.read();
     });
-    const TransportProjection projection(transport);
     const TransportView view =
         make_transport_view(scene.mesh.positions, scene.mesh.normals, scene.camera.position,
                             transport.eta, /*has_fresnel=*/true);
     std::vector<Rgb> radiance;
+    const TransportProjection projection(transport);
     const double on_cpu = seconds_of([&] {
-      eval_transport(transport, projection.fit(marble), {Rgb{1, 1, 1}}, view, radiance);
+      const TransportCoefficients coefficients = projection.fit(marble);
+      eval_transport(transport, coefficients, {Rgb{1, 1, 1}}, view, radiance);
     });
     const LiveReport& report = renderer.report();
     const auto fine = [](double seconds) { return fmt::format("{:.2f}", 1e3 * seconds); };

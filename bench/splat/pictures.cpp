@@ -62,7 +62,7 @@ Scene make_fin_scene() {
   fit_to_size(scene.mesh, 40);
   scene.mesh_name = "fin";
   scene.material = Material(stone_map());
-  scene.lights = {DirectionalLight{normalize(Vec3{-0.3f, 0.4f, -1}), {8, 8, 8}}};
+  scene.lights = {DirectionalLight{normalize(Vec3{-0.3f, 0.4f, -1}), {4, 4, 4}}};
   scene.camera.width = 480;
   scene.camera.height = 360;
   scene.camera.target = center(bounds(scene.mesh));
@@ -80,18 +80,25 @@ Scene make_layered_scene() {
   return scene;
 }
 
-Image draw_live(const GlLimits& limits, double sigma_s) {
+Dipole make_wax(double sigma_s) {
   Dipole wax;
   wax.channels = {{0.01, sigma_s, 0}, {0.03, 0.9 * sigma_s, 0}, {0.1, 0.8 * sigma_s, 0}};
   wax.single_scattering = true;
-  const Scene scene = make_dragon("dragon-22998.ply", Material(wax), 480, 360);
+  return wax;
+}
+
+void show_live(const Page& page, const GlLimits& limits) {
+  const Scene scene = make_dragon("dragon-22998.ply", Material(make_wax(1)), 480, 360);
   PrecomputeParams params;
   params.samples = 50'000;
   params.single_params.directions = 32;
   params.single_params.resolution = 1024;
   LiveRenderer renderer(limits, scene, precompute_transport(scene, params));
-  renderer.draw();
-  return renderer.read();
+  for (const double sigma_s : {0.5, 2.0, 6.0}) {
+    renderer.set_material(make_wax(sigma_s));
+    renderer.draw();
+    write_picture(page, "live-" + std::to_string(static_cast<int>(10 * sigma_s)), renderer.read());
+  }
 }
 
 }  // namespace
@@ -100,9 +107,7 @@ void study_pictures(const Page& page, const GlLimits& limits) {
   show(page, "dragon", limits, make_picture_scene());
   show(page, "fin", limits, make_fin_scene());
   show(page, "layers", limits, make_layered_scene());
-  for (const double sigma_s : {0.5, 2.0, 6.0})
-    write_picture(page, "live-" + std::to_string(static_cast<int>(10 * sigma_s)),
-                  draw_live(limits, sigma_s));
+  show_live(page, limits);
 }
 
 }  // namespace parian

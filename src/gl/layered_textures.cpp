@@ -25,9 +25,9 @@ std::optional<SurfacePoint> find_point(const TriangleMesh& mesh, const RayTracer
                                        const CameraFrame& frame, int antialias, int x, int y) {
   const int n = antialias * antialias;
   for (int i = 0; i < n; ++i) {  // from the middle one on
-    const int s = (i + n / 2) % n;
-    const CameraRay ray = make_camera_ray(frame, x * antialias + s % antialias + 0.5,
-                                          y * antialias + s / antialias + 0.5);
+    const int s = (i + n / 2) % n, row = s / antialias;
+    const CameraRay ray =
+        make_camera_ray(frame, x * antialias + s % antialias + 0.5, y * antialias + row + 0.5);
     if (const auto hit = tracer.intersect({.origin = ray.origin, .direction = ray.direction}))
       return get_surface_point(mesh, hit->triangle, hit->barycentric);
   }
