@@ -201,6 +201,7 @@ SplatPrograms make_splat_programs() {
                         std::string_view file = "splat_fragment.glsl") {
     const std::vector<std::string_view> fragment{"octahedral.glsl", file};
     defines.push_back(tiles);
+    defines.push_back(fmt::format("STEPS {}", table_steps));
     SplatProgram program;
     program.squares = make_program(vertex, fragment, defines);
     defines.emplace_back("POINTS");

@@ -38,7 +38,7 @@ void main() {
   vec4 part = clamp(r * part_factor + part_offset, 0.0, 1.0);
   vec3 log_value = splat_log + part.x * splat_steps[0] + part.y * splat_steps[1] +
                    part.z * splat_steps[2] + part.w * splat_steps[3];
-  int i = max(int(r * table_place.x + table_place.y), 0);
+  int i = clamp(int(r * table_place.x + table_place.y), 0, STEPS - 1);
   vec4 entry = texelFetch(level_table, ivec2(i, 0), 0);
   vec3 value = exp2(entry.rgb + log_value);
 #ifdef SINGLE
