@@ -1,0 +1,216 @@
+#include "acquire/photon_trace.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/random.h"
+
+namespace parian {
+namespace {
+
+constexpr int flights_per_look = 8;
+constexpr float most_parts = 16;  // into which one photon is split at once
+
+// A part of a photon that waits for a lane.
+struct WaitingPhoton {
+  float x, y, z, ux, uy, uz, weight;
+  std::uint32_t a, b, c, counter;
+  std::uint32_t pixel;
+  float entry_x, entry_y;
+};
+
+void copy_lane(const PhotonLanes& from, std::size_t i, PhotonLanes& to, std::size_t j) {
+  to.x[j] = from.x[i], to.y[j] = from.y[i], to.z[j] = from.z[i];
+  to.ux[j] = from.ux[i], to.uy[j] = from.uy[i], to.uz[j] = from.uz[i];
+  to.weight[j] = from.weight[i], to.absorbed[j] = from.absorbed[i];
+  to.a[j] = from.a[i], to.b[j] = from.b[i], to.c[j] = from.c[i], to.counter[j] = from.counter[i];
+  to.state[j] = from.state[i], to.pixel[j] = from.pixel[i];
+  to.entry_x[j] = from.entry_x[i], to.entry_y[j] = from.entry_y[i];
+  to.target[j] = from.target[i], to.attention[j] = from.attention[i];
+}
+
+class Tracer {
+ public:
+  Tracer(const PhotonTask& task, float* tally) : task_(task), tally_(tally) {}
+
+  PhotonTotals run() {
+    for (active_ = 0; active_ < PhotonLanes::count && fill(active_);) ++active_;
+    while (active_ > 0) {
+      for (std::size_t i = active_; i % 16 != 0; ++i)
+        lanes_.state[i] = static_cast<std::uint32_t>(PhotonState::empty);
+      fly();
+      mark_lanes(&lanes_, &task_.window, active_);
+      for (std::size_t i = 0; i < active_;) i = look_at(i);
+    }
+    return totals_;
+  }
+
+ private:
+  void fly() {
+    const PhotonMedium& medium = task_.channel->medium;
+    const auto kernel = medium.g == nullptr ? fly_isotropic : fly_anisotropic;
+    kernel(&lanes_, &medium, active_, flights_per_look);
+    totals_.flights += static_cast<double>(active_) * flights_per_look;
+  }
+
+  // Handles lane i where it needs that; returns the next lane to look at.
+  std::size_t look_at(std::size_t i) {
+    if (lanes_.attention[i] == 0) return i + 1;
+    const auto state = static_cast<PhotonState>(lanes_.state[i]);
+    if (state == PhotonState::flying) {
+      if (lanes_.weight[i] > lanes_.target[i]) {
+        split(i);
+        return i + 1;
+      }
+      if (survive(i)) return i + 1;
+    }
+    if (state == PhotonState::left_top) add_exit(i);
+    if (state == PhotonState::left_bottom) totals_.transmitted += lanes_.weight[i];
+    totals_.absorbed += lanes_.absorbed[i];
+    if (fill(i)) return i + 1;
+    --active_;
+    if (i != active_) copy_lane(lanes_, active_, lanes_, i);
+    return i;
+  }
+
+  void add_exit(std::size_t i) {
+    const double weight = lanes_.weight[i];
+    totals_.reflected += weight;
+    const PhotonVolume& volume = *task_.volume;
+    const auto pixel_of = [&](float voxels) {
+      return static_cast<int>(
+          std::floor((voxels - static_cast<float>(volume.margin)) /
+                     static_cast<float>(volume.voxels_per_pixel)));
+    };
+    const int x = pixel_of(std::clamp(lanes_.x[i], -1e6f, 1e6f));
+    const int y = pixel_of(std::clamp(lanes_.y[i], -1e6f, 1e6f));
+    if (x < 0 || y < 0 || x >= volume.width || y >= volume.height) return;
+    const int entry = static_cast<int>(lanes_.pixel[i]);
+    const int dx = x - entry % volume.width, dy = y - entry / volume.width;
+    const int radius = task_.radius, side = 2 * radius + 1;
+    if (std::abs(dx) > radius || std::abs(dy) > radius) return;
+    const std::size_t row = static_cast<std::size_t>(entry) - task_.first_pixel;
+    const auto slot = static_cast<std::size_t>((dy + radius) * side + dx + radius);
+    tally_[row * static_cast<std::size_t>(side * side) + slot] += static_cast<float>(weight);
+  }
+
+  // Russian roulette: with probability p the photon goes on with 1 / p of its weight.
+  bool survive(std::size_t i) {
+    const float restored = task_.window.restored * lanes_.target[i];
+    const float before = lanes_.weight[i];
+    const float u = to_open_uniform(
+        sample_sfc32(lanes_.a[i], lanes_.b[i], lanes_.c[i], lanes_.counter[i]));
+    const bool survives = u * restored < before;
+    const float after = survives ? restored : 0.0f;
+    totals_.roulette += static_cast<double>(after) - static_cast<double>(before);
+    lanes_.weight[i] = after;
+    return survives;
+  }
+
+  // n photons of 1/n of the weight; all but the first wait for lanes, with generators of their own.
+  void split(std::size_t i) {
+    const float n = std::min(most_parts, std::floor(lanes_.weight[i] / lanes_.target[i]));
+    if (n < 2) return;
+    const float before = lanes_.weight[i], part = before / n;
+    totals_.roulette += static_cast<double>(part) * static_cast<double>(n) - static_cast<double>(before);
+    lanes_.weight[i] = part;
+    const auto draw = [&] {
+      return sample_sfc32(lanes_.a[i], lanes_.b[i], lanes_.c[i], lanes_.counter[i]);
+    };
+    for (int k = 1; k < static_cast<int>(n); ++k) {
+      const std::uint64_t first = draw(), second = draw();
+      const std::uint64_t low = hash_u64((first << 32u) | second, task_.key);
+      const std::uint64_t high = hash_u64(low);
+      waiting_.push_back({lanes_.x[i], lanes_.y[i], lanes_.z[i], lanes_.ux[i], lanes_.uy[i],
+                          lanes_.uz[i], part, static_cast<std::uint32_t>(low),
+                          static_cast<std::uint32_t>(low >> 32u), static_cast<std::uint32_t>(high),
+                          static_cast<std::uint32_t>(high >> 32u), lanes_.pixel[i],
+                          lanes_.entry_x[i], lanes_.entry_y[i]});
+    }
+  }
+
+  // Puts the next photon into lane i; false when there is none.
+  bool fill(std::size_t i) {
+    if (!waiting_.empty()) {
+      take(waiting_.back(), i);
+      waiting_.pop_back();
+      return true;
+    }
+    if (next_fresh_ == fresh_count_ && !launch()) return false;
+    copy_lane(fresh_, next_fresh_++, lanes_, i);
+    return true;
+  }
+
+  void take(const WaitingPhoton& photon, std::size_t i) {
+    lanes_.x[i] = photon.x, lanes_.y[i] = photon.y, lanes_.z[i] = photon.z;
+    lanes_.ux[i] = photon.ux, lanes_.uy[i] = photon.uy, lanes_.uz[i] = photon.uz;
+    lanes_.weight[i] = photon.weight, lanes_.absorbed[i] = 0;
+    lanes_.a[i] = photon.a, lanes_.b[i] = photon.b, lanes_.c[i] = photon.c;
+    lanes_.counter[i] = photon.counter;
+    lanes_.state[i] = 0, lanes_.pixel[i] = photon.pixel;
+    lanes_.entry_x[i] = photon.entry_x, lanes_.entry_y[i] = photon.entry_y;
+  }
+
+  // The next photons of the task, pixel by pixel.
+  bool launch() {
+    const std::uint64_t all = task_.pixels * task_.photons;
+    fresh_count_ = static_cast<std::size_t>(std::min<std::uint64_t>(all - launched_, PhotonLanes::count));
+    next_fresh_ = 0;
+    if (fresh_count_ == 0) return false;
+    const PhotonVolume& volume = *task_.volume;
+    const auto corner = [&](std::size_t i) {
+      return static_cast<float>(volume.margin) +
+             static_cast<float>(i) * static_cast<float>(volume.voxels_per_pixel);
+    };
+    for (std::size_t i = 0; i < fresh_count_; ++i) {
+      const std::uint64_t k = launched_ + i;
+      const std::size_t pixel = task_.first_pixel + static_cast<std::size_t>(k / task_.photons);
+      const auto width = static_cast<std::size_t>(volume.width);
+      ids_[i] = hash_u64(pixel, task_.first_photon + k % task_.photons);
+      fresh_.pixel[i] = static_cast<std::uint32_t>(pixel);
+      fresh_.entry_x[i] = corner(pixel % width);
+      fresh_.entry_y[i] = corner(pixel / width);
+    }
+    launch_photons(&fresh_, ids_, task_.key, static_cast<float>(volume.voxels_per_pixel),
+                   task_.channel->medium.eta, task_.entry == PhotonEntry::lambertian,
+                   fresh_count_);
+    for (std::size_t i = 0; i < fresh_count_; ++i)
+      totals_.specular += 1 - static_cast<double>(fresh_.weight[i]);
+    totals_.launched += static_cast<double>(fresh_count_);
+    launched_ += fresh_count_;
+    return true;
+  }
+
+  const PhotonTask& task_;
+  float* tally_;
+  PhotonTotals totals_;
+  PhotonLanes lanes_{}, fresh_{};
+  std::uint64_t ids_[PhotonLanes::count]{};
+  std::size_t active_ = 0, next_fresh_ = 0, fresh_count_ = 0;
+  std::uint64_t launched_ = 0;
+  std::vector<WaitingPhoton> waiting_;
+};
+
+}  // namespace
+
+PhotonTotals& operator+=(PhotonTotals& sum, const PhotonTotals& more) {
+  sum.launched += more.launched;
+  sum.specular += more.specular;
+  sum.reflected += more.reflected;
+  sum.transmitted += more.transmitted;
+  sum.absorbed += more.absorbed;
+  sum.roulette += more.roulette;
+  sum.flights += more.flights;
+  return sum;
+}
+
+double balance(const PhotonTotals& totals) {
+  return totals.launched + totals.roulette - totals.specular - totals.reflected -
+         totals.transmitted - totals.absorbed;
+}
+
+PhotonTotals trace_photons(const PhotonTask& task, float* tally) {
+  return Tracer(task, tally).run();
+}
+
+}  // namespace parian
