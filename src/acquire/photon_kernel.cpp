@@ -170,14 +170,17 @@ PARIAN_HOT void fly_anisotropic(PhotonLanes* PARIAN_RESTRICT lanes,
 PARIAN_HOT void mark_lanes(PhotonLanes* PARIAN_RESTRICT lanes,
                            const WeightWindow* PARIAN_RESTRICT window, std::size_t active) {
   const WeightWindow w = *window;
-  const float per_reach = 1 / w.reach_squared, least = w.near_squared / w.reach_squared;
+  const float near_squared = w.near * w.near, per_reach = 1 / (w.reach * w.reach);
   for (std::size_t i = 0; i < active; ++i) {
     const float dx = lanes->x[i] - lanes->entry_x[i], dy = lanes->y[i] - lanes->entry_y[i];
-    const float s2 = dx * dx + dy * dy + lanes->z[i] * lanes->z[i];
-    const float inside = s2 > w.near_squared ? w.near_squared / s2 : 1.0f;
+    const float dz = w.depth_factor * lanes->z[i];
+    const float s2 = dx * dx + dy * dy + dz * dz;
+    const float falling = std::sqrt(near_squared / (s2 > near_squared ? s2 : near_squared));
+    const float inside = falling > w.least ? falling : w.least;
     const float far = s2 * per_reach;
-    const float outside = least * far * far;
-    const float target = far > 1 ? (outside < 1 ? outside : 1.0f) : inside;
+    const float rising = w.least * far * far;
+    const float outside = rising < w.most ? rising : w.most;
+    const float target = far > 1 ? outside : inside;
     const float weight = lanes->weight[i];
     lanes->target[i] = target;
     const bool is_off = (weight < w.low * target) | (weight > w.high * target);

@@ -47,15 +47,16 @@ struct PhotonLanes {
 void fly_isotropic(PhotonLanes* lanes, const PhotonMedium* medium, std::size_t active, int steps);
 void fly_anisotropic(PhotonLanes* lanes, const PhotonMedium* medium, std::size_t active, int steps);
 
-// Weights that photons should have by the distance s from where they entered: 1 up to `near`, then
-// (near / s)^2 down to its value at `reach`, and rising from there as (s / reach)^4, up to 1. Photons
-// below `low` times that are for Russian roulette, those above `high` for splitting.
+// Weights that photons should have by the distance s from where they entered, s^2 = dx^2 + dy^2 +
+// (depth_factor z)^2: 1 up to `near`, then near / s, but not below `least`; and beyond `reach`, from
+// where light hardly comes back, least (s / reach)^4 up to `most`. Photons below `low` times that are
+// for Russian roulette, those above `high` for splitting. The default leaves all photons alike.
 struct WeightWindow {
-  float near_squared = 1e30f;
-  float reach_squared = 1e30f;
+  float near = 1e15f, reach = 1e15f;
+  float depth_factor = 1;
+  float least = 1, most = 1;
   float low = 1e-3f, high = 1e30f;
-  // What survives roulette weighs this times the target.
-  float restored = 1e-2f;
+  float restored = 1e-2f;  // what survives roulette weighs this times the target
 };
 void mark_lanes(PhotonLanes* lanes, const WeightWindow* window, std::size_t active);
 
