@@ -110,13 +110,22 @@ void fill_weights(const StonesLayout& layout, const Scene& scene, Point p, doubl
   const Point moved{at.x + roughness(1), at.y + roughness(2),
                     scene.grid.solid ? at.z + roughness(3) : 0};
   const int reach_w = scene.grid.solid ? 2 : 0;
+  // Stones at an elliptic distance beyond this change nothing, and stand within their cells.
+  const double most = (1 + 2 * layout.gap_mm / layout.size_mm) * 0.55 * (1 + layout.spread) *
+                      std::sqrt(layout.elongation);
+  const auto beyond = [](double x, double cell) {
+    return std::max({0.0, cell + 0.15 - x, x - cell - 0.85});
+  };
   Stone first, second;
   for (int k = -reach_w; k <= reach_w; ++k)
     for (int j = -2; j <= 2; ++j)
       for (int i = -2; i <= 2; ++i) {
-        const Stone stone = make_stone(
-            layout, scene, moved,
-            {std::floor(moved.x) + i, std::floor(moved.y) + j, std::floor(moved.z) + k});
+        const Cell cell{std::floor(moved.x) + i, std::floor(moved.y) + j,
+                        std::floor(moved.z) + k};
+        const double u = beyond(moved.x, cell.u), v = beyond(moved.y, cell.v);
+        const double w = scene.grid.solid ? beyond(moved.z, cell.w) : 0;
+        if (u * u + v * v + w * w > most * most) continue;
+        const Stone stone = make_stone(layout, scene, moved, cell);
         if (stone.distance < first.distance) {
           second = first;
           first = stone;
