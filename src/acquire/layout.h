@@ -100,8 +100,8 @@ struct LayoutGrid {
   double pixel_pitch_mm = 1;
   int materials = 1;
   std::uint64_t seed = 1;
-  int margin = 0;     // pixels on every side
-  int layers = 1;     // voxels of depth, cubes
+  int margin = 0;      // pixels on every side
+  int layers = 1;      // voxels of depth, cubes
   bool solid = false;  // the layout's random structures are made in space, not in the plane
   // The layout at depth z is shifted by z times this: it follows lines tilted from the vertical.
   double slant_x = 0;

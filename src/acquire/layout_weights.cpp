@@ -104,8 +104,7 @@ void fill_weights(const StonesLayout& layout, const Scene& scene, Point p, doubl
   const Point at{p.x / layout.size_mm, p.y / layout.size_mm, p.z / layout.size_mm};
   const auto roughness = [&](std::uint64_t stream) {
     if (layout.roughness == 0) return 0.0;
-    return layout.roughness *
-           scene.fractal(scene.stream(stream), 3 * at.x, 3 * at.y, 3 * at.z, 3);
+    return layout.roughness * scene.fractal(scene.stream(stream), 3 * at.x, 3 * at.y, 3 * at.z, 3);
   };
   const Point moved{at.x + roughness(1), at.y + roughness(2),
                     scene.grid.solid ? at.z + roughness(3) : 0};
@@ -120,8 +119,7 @@ void fill_weights(const StonesLayout& layout, const Scene& scene, Point p, doubl
   for (int k = -reach_w; k <= reach_w; ++k)
     for (int j = -2; j <= 2; ++j)
       for (int i = -2; i <= 2; ++i) {
-        const Cell cell{std::floor(moved.x) + i, std::floor(moved.y) + j,
-                        std::floor(moved.z) + k};
+        const Cell cell{std::floor(moved.x) + i, std::floor(moved.y) + j, std::floor(moved.z) + k};
         const double u = beyond(moved.x, cell.u), v = beyond(moved.y, cell.v);
         const double w = scene.grid.solid ? beyond(moved.z, cell.w) : 0;
         if (u * u + v * v + w * w > most * most) continue;
@@ -159,8 +157,8 @@ double eval_vein(const VeinsLayout& layout, const Scene& scene, std::uint64_t se
   const double dw =
       scene.grid.solid ? (noise(q.x, q.y, q.z + h) - value) / (h * layout.spacing_mm) : 0;
   const double distance = std::abs(value) / (length(scene, {du, dv, dw}) + 1e-12);
-  const double width = layout.width_mm *
-                       std::exp(0.5 * scene.noise(hash_u64(seed, 1), 2 * q.x, 2 * q.y, 2 * q.z));
+  const double width =
+      layout.width_mm * std::exp(0.5 * scene.noise(hash_u64(seed, 1), 2 * q.x, 2 * q.y, 2 * q.z));
   // A normal variable exceeds t for the part `presence` of the plane; 1.7 approximates its scale.
   const double presence = std::clamp(layout.presence, 1e-6, 1 - 1e-6);
   const double fade =
@@ -239,9 +237,8 @@ void fill_weights(const ImageLayout& layout, const Scene& scene, Point p, double
   const double v = p.y / (grid.height * grid.pixel_pitch_mm) * map.height - 0.5;
   const int x = static_cast<int>(std::floor(u)), y = static_cast<int>(std::floor(v));
   const double fx = u - x, fy = v - y;
-  double grey =
-      (1 - fy) * ((1 - fx) * grey_of(map, x, y) + fx * grey_of(map, x + 1, y)) +
-      fy * ((1 - fx) * grey_of(map, x, y + 1) + fx * grey_of(map, x + 1, y + 1));
+  double grey = (1 - fy) * ((1 - fx) * grey_of(map, x, y) + fx * grey_of(map, x + 1, y)) +
+                fy * ((1 - fx) * grey_of(map, x, y + 1) + fx * grey_of(map, x + 1, y + 1));
   grey = grey >= 0 ? std::min(grey, 1.0) : 0;  // NaN counts as 0
   if (!layout.thresholds.empty()) {
     const auto above = std::upper_bound(layout.thresholds.begin(), layout.thresholds.end(), grey);

@@ -57,13 +57,11 @@ double eval_noise(std::uint64_t seed, double u, double v, double w) {
       const std::uint64_t column = hash_u64(layer, node(u0, i));
       double column_sum = 0;
       for (int j = 0; j < 4; ++j)
-        column_sum +=
-            along_v.weight[j] * (hash_to_uniform(hash_u64(column ^ node(v0, j))) - 0.5);
+        column_sum += along_v.weight[j] * (hash_to_uniform(hash_u64(column ^ node(v0, j))) - 0.5);
       sum += along_w.weight[k] * along_u.weight[i] * column_sum;
     }
   }
-  return sum *
-         std::sqrt(12 / (along_u.norm_squared * along_v.norm_squared * along_w.norm_squared));
+  return sum * std::sqrt(12 / (along_u.norm_squared * along_v.norm_squared * along_w.norm_squared));
 }
 
 double eval_fractal_noise(std::uint64_t seed, double u, double v, int octaves) {

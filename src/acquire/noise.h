@@ -1,5 +1,6 @@
-// Seeded smooth noise over the plane and in space: a stationary field of mean 0 and variance 1 at every point,
-// made of cubic B-splines over a lattice of hashed random numbers. Twice differentiable.
+// Seeded smooth noise over the plane and in space: a stationary field of mean 0 and variance 1 at
+// every point, made of cubic B-splines over a lattice of hashed random numbers. Twice
+// differentiable.
 #pragma once
 
 #include <cstdint>

@@ -19,7 +19,8 @@ struct Arrays {
   float *PARIAN_RESTRICT x, *PARIAN_RESTRICT y, *PARIAN_RESTRICT z;
   float *PARIAN_RESTRICT ux, *PARIAN_RESTRICT uy, *PARIAN_RESTRICT uz;
   float *PARIAN_RESTRICT weight, *PARIAN_RESTRICT absorbed;
-  std::uint32_t *PARIAN_RESTRICT a, *PARIAN_RESTRICT b, *PARIAN_RESTRICT c, *PARIAN_RESTRICT counter;
+  std::uint32_t *PARIAN_RESTRICT a, *PARIAN_RESTRICT b, *PARIAN_RESTRICT c,
+      *PARIAN_RESTRICT counter;
   std::uint32_t* PARIAN_RESTRICT state;
 };
 
@@ -104,7 +105,7 @@ template <bool anisotropic>
   const float s = is_flying ? far : 0.0f;
 
   const float end_z = z + s * d.z;
-  const bool at_top = end_z < 0, at_bottom = end_z > m.thickness;
+  const bool at_top = end_z<0, at_bottom = end_z> m.thickness;
   const bool at_boundary = at_top | at_bottom;
   const float boundary_z = at_bottom ? m.thickness : 0.0f;
   const float cosine = d.z < 0 ? -d.z : d.z;
@@ -144,8 +145,9 @@ template <bool anisotropic>
                                        std::size_t active, int steps) {
   const PhotonMedium m = *medium;
   const float per_cell = 1 / m.cell_voxels;
-  const Arrays arrays{lanes->x, lanes->y, lanes->z, lanes->ux, lanes->uy, lanes->uz, lanes->weight,
-                      lanes->absorbed, lanes->a, lanes->b, lanes->c, lanes->counter, lanes->state};
+  const Arrays arrays{lanes->x,  lanes->y,       lanes->z,        lanes->ux, lanes->uy,
+                      lanes->uz, lanes->weight,  lanes->absorbed, lanes->a,  lanes->b,
+                      lanes->c,  lanes->counter, lanes->state};
   const std::size_t end = (active + 15) / 16 * 16;
   for (int step = 0; step < steps; ++step)
 #pragma GCC ivdep

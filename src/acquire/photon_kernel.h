@@ -12,8 +12,8 @@ namespace parian {
 
 // One channel of a medium as the kernel reads it. Pointers belong to the caller.
 struct PhotonMedium {
-  const float* voxels = nullptr;           // [z][y][x]{sigma_t, albedo}
-  const float* g = nullptr;                // [z][y][x], null: isotropic scattering
+  const float* voxels = nullptr;            // [z][y][x]{sigma_t, albedo}
+  const float* g = nullptr;                 // [z][y][x], null: isotropic scattering
   const float* inverse_majorant = nullptr;  // [z][y][x] of cells: 1 / bound on sigma_t
   int nx = 1, ny = 1, nz = 1;
   // A cell's bound holds in the cell and its neighbours, so a flight from within it may go as far
@@ -48,9 +48,10 @@ void fly_isotropic(PhotonLanes* lanes, const PhotonMedium* medium, std::size_t a
 void fly_anisotropic(PhotonLanes* lanes, const PhotonMedium* medium, std::size_t active, int steps);
 
 // Weights that photons should have by the distance s from where they entered, s^2 = dx^2 + dy^2 +
-// (depth_factor z)^2: 1 up to `near`, then near / s, but not below `least`; and beyond `reach`, from
-// where light hardly comes back, least (s / reach)^4 up to `most`. Photons below `low` times that are
-// for Russian roulette, those above `high` for splitting. The default leaves all photons alike.
+// (depth_factor z)^2: 1 up to `near`, then near / s, but not below `least`; and beyond `reach`,
+// from where light hardly comes back, least (s / reach)^4 up to `most`. Photons below `low` times
+// that are for Russian roulette, those above `high` for splitting. The default leaves all photons
+// alike.
 struct WeightWindow {
   float near = 1e15f, reach = 1e15f;
   float depth_factor = 1;
@@ -68,8 +69,8 @@ void launch_photons(PhotonLanes* lanes, const std::uint64_t* ids, std::uint64_t 
                     float eta, bool lambertian, std::size_t count);
 
 // The next number of a lane's generator, and a uniform one in (0, 1).
-[[gnu::always_inline]] inline std::uint32_t sample_sfc32(std::uint32_t& a, std::uint32_t& b, std::uint32_t& c,
-                                  std::uint32_t& counter) {
+[[gnu::always_inline]] inline std::uint32_t sample_sfc32(std::uint32_t& a, std::uint32_t& b,
+                                                         std::uint32_t& c, std::uint32_t& counter) {
   const std::uint32_t value = a + b + counter++;
   a = b ^ (b >> 9u);
   b = c + (c << 3u);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::uint64_t photons_in_round = 1u << 22u;  // about, all pixels and channels
 constexpr std::uint64_t photons_in_task = 8192;
-constexpr std::uint64_t least_rounds = 16;  // for the variances
+constexpr std::uint64_t least_rounds = 16;   // for the variances
 constexpr std::uint64_t engine_version = 1;  // changes when the same seed gives other bits
 
 TableHeader make_header(const Sample& sample, const PhotonParams& params) {
@@ -35,10 +35,11 @@ TableHeader make_header(const Sample& sample, const PhotonParams& params) {
     if (std::abs(offset.dx) < sample.width && std::abs(offset.dy) < sample.height)
       header.offsets.push_back(offset);
   PhotonParams described = params;
-  header.provenance = format_compact(Document::Object{{"kind", "photon"},
-                                                      {"simulated", true},
-                                                      {"parameters", write_params(describe(described))},
-                                                      {"sample", sample.description}});
+  header.provenance =
+      format_compact(Document::Object{{"kind", "photon"},
+                                      {"simulated", true},
+                                      {"parameters", write_params(describe(described))},
+                                      {"sample", sample.description}});
   check(header, sample.name);
   return header;
 }
@@ -114,7 +115,8 @@ PhotonSimulation::PhotonSimulation(const Sample& sample, const PhotonParams& par
     sums.backward.assign(values, 0.f);
     sums.squares.assign(values, 0.f);
   }
-  std::uint64_t hash = hash_bytes(header_.provenance.data(), header_.provenance.size(), engine_version);
+  std::uint64_t hash =
+      hash_bytes(header_.provenance.data(), header_.provenance.size(), engine_version);
   for (const std::vector<float>* plane : {&volume_.sigma_a, &volume_.sigma_s, &volume_.g})
     hash = hash_values(*plane, hash);
   fingerprint_ = hash_value(photons_per_round_, hash);
@@ -150,7 +152,8 @@ double PhotonSimulation::done() const {
 }
 
 void PhotonSimulation::advance() {
-  const int channel = static_cast<int>(progress_.steps % static_cast<std::uint64_t>(header_.channels));
+  const int channel =
+      static_cast<int>(progress_.steps % static_cast<std::uint64_t>(header_.channels));
   const auto side = static_cast<std::size_t>(2 * radius_ + 1);
   const std::size_t pixels = header_.pixels(), window = side * side;
   std::vector<float> tally(pixels * window, 0.f);
@@ -225,10 +228,13 @@ double PhotonSimulation::median_error() const {
     const auto n = static_cast<double>(rounds(c));
     for (int y = range.y0; y < range.y1; ++y)
       for (int x = range.x0; x < range.x1; ++x) {
-        const std::size_t i = k * header_.pixels() +
-                              static_cast<std::size_t>(y) * static_cast<std::size_t>(header_.width) +
-                              static_cast<std::size_t>(x);
-        const double mean = 0.5 * (static_cast<double>(sums.forward[i]) + static_cast<double>(sums.backward[i])) / n;
+        const std::size_t i =
+            k * header_.pixels() +
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(header_.width) +
+            static_cast<std::size_t>(x);
+        const double mean =
+            0.5 * (static_cast<double>(sums.forward[i]) + static_cast<double>(sums.backward[i])) /
+            n;
         const double square = static_cast<double>(sums.squares[i]) / n;
         const double variance = std::max(0.0, square - mean * mean) / std::max(1.0, n - 1);
         sum += mean > 0 ? std::min(1.0, std::sqrt(variance) / mean) : 1.0;

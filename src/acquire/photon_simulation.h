@@ -45,7 +45,7 @@ struct PhotonSums {
 
 // Totals of one round, to be averaged with their deviation.
 struct PhotonRoundTotals {
-  std::array<double, 4> sum{};      // specular, reflected, transmitted, absorbed, per power sent
+  std::array<double, 4> sum{};  // specular, reflected, transmitted, absorbed, per power sent
   std::array<double, 4> squares{};
   double roulette = 0;  // what it has added on balance, per power sent
   double balance = 0;   // the largest |1 + roulette - all four| of a round
@@ -114,7 +114,7 @@ struct PhotonReport {
     double roulette = 0, balance = 0;
   };
   std::vector<Channel> channels;
-  double photons = 0;       // sent, all pixels and channels
+  double photons = 0;  // sent, all pixels and channels
   double flights = 0;
   std::uint64_t rounds = 0;
   double median_offset_mm = 0, median_error = 0;

@@ -72,7 +72,8 @@ NoiseModel fit_noise(const PhotonSimulation& simulation, int channel) {
   std::array<Coefficients<2>, 2> normal{};
   Coefficients<2> right{};
   double scale = 0;
-  for (const Mean& mean : means) scale = std::max(scale, mean.count > 0 ? mean.value / mean.count : 0);
+  for (const Mean& mean : means)
+    scale = std::max(scale, mean.count > 0 ? mean.value / mean.count : 0);
   for (const Mean& mean : means) {
     if (!(mean.variance > 0)) continue;
     // Values in units of the largest, so that both columns are of one size.
@@ -110,8 +111,9 @@ class PhotonSource : public SliceSource {
     const PixelRange range = pairs_in_grid(header_, header_.offsets.at(k));
     for (int y = range.y0; y < range.y1; ++y)
       for (int x = range.x0; x < range.x1; ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(header_.width) +
-                              static_cast<std::size_t>(x);
+        const std::size_t i =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(header_.width) +
+            static_cast<std::size_t>(x);
         slice[i] = static_cast<float>(pairs.at(k, i).value);
       }
   }

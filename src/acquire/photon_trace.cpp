@@ -78,9 +78,8 @@ class Tracer {
     totals_.reflected += weight;
     const PhotonVolume& volume = *task_.volume;
     const auto pixel_of = [&](float voxels) {
-      return static_cast<int>(
-          std::floor((voxels - static_cast<float>(volume.margin)) /
-                     static_cast<float>(volume.voxels_per_pixel)));
+      return static_cast<int>(std::floor((voxels - static_cast<float>(volume.margin)) /
+                                         static_cast<float>(volume.voxels_per_pixel)));
     };
     const int x = pixel_of(std::clamp(lanes_.x[i], -1e6f, 1e6f));
     const int y = pixel_of(std::clamp(lanes_.y[i], -1e6f, 1e6f));
@@ -98,8 +97,8 @@ class Tracer {
   bool survive(std::size_t i) {
     const float restored = task_.window.restored * lanes_.target[i];
     const float before = lanes_.weight[i];
-    const float u = to_open_uniform(
-        sample_sfc32(lanes_.a[i], lanes_.b[i], lanes_.c[i], lanes_.counter[i]));
+    const float u =
+        to_open_uniform(sample_sfc32(lanes_.a[i], lanes_.b[i], lanes_.c[i], lanes_.counter[i]));
     const bool survives = u * restored < before;
     const float after = survives ? restored : 0.0f;
     totals_.roulette += static_cast<double>(after) - static_cast<double>(before);
@@ -112,7 +111,8 @@ class Tracer {
     const float n = std::min(most_parts, std::floor(lanes_.weight[i] / lanes_.target[i]));
     if (n < 2) return;
     const float before = lanes_.weight[i], part = before / n;
-    totals_.roulette += static_cast<double>(part) * static_cast<double>(n) - static_cast<double>(before);
+    totals_.roulette +=
+        static_cast<double>(part) * static_cast<double>(n) - static_cast<double>(before);
     lanes_.weight[i] = part;
     const auto draw = [&] {
       return sample_sfc32(lanes_.a[i], lanes_.b[i], lanes_.c[i], lanes_.counter[i]);
@@ -154,7 +154,8 @@ class Tracer {
   // The next photons of the task, pixel by pixel.
   bool launch() {
     const std::uint64_t all = task_.pixels * task_.photons;
-    fresh_count_ = static_cast<std::size_t>(std::min<std::uint64_t>(all - launched_, PhotonLanes::count));
+    fresh_count_ =
+        static_cast<std::size_t>(std::min<std::uint64_t>(all - launched_, PhotonLanes::count));
     next_fresh_ = 0;
     if (fresh_count_ == 0) return false;
     const PhotonVolume& volume = *task_.volume;
@@ -172,8 +173,7 @@ class Tracer {
       fresh_.entry_y[i] = corner(pixel / width);
     }
     launch_photons(&fresh_, ids_, task_.key, static_cast<float>(volume.voxels_per_pixel),
-                   task_.channel->medium.eta, task_.entry == PhotonEntry::lambertian,
-                   fresh_count_);
+                   task_.channel->medium.eta, task_.entry == PhotonEntry::lambertian, fresh_count_);
     for (std::size_t i = 0; i < fresh_count_; ++i)
       totals_.specular += 1 - static_cast<double>(fresh_.weight[i]);
     totals_.launched += static_cast<double>(fresh_count_);

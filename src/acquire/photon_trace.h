@@ -35,8 +35,8 @@ struct PhotonTask {
   const PhotonChannel* channel = nullptr;
   PhotonEntry entry = PhotonEntry::lambertian;
   WeightWindow window;
-  int radius = 1;                  // pixels
-  std::size_t first_pixel = 0;     // in which light enters, row major
+  int radius = 1;               // pixels
+  std::size_t first_pixel = 0;  // in which light enters, row major
   std::size_t pixels = 1;
   std::uint64_t key = 0;           // of all random numbers
   std::uint64_t first_photon = 0;  // of every pixel

@@ -196,9 +196,8 @@ PhotonChannel make_photon_channel(const PhotonVolume& volume, int channel, int c
   m.cells_y = (m.ny + cell - 1) / cell;
   m.cells_z = (m.nz + cell - 1) / cell;
   m.eta = static_cast<float>(volume.eta);
-  m.thickness = volume.thickness_mm > 0
-                    ? static_cast<float>(volume.thickness_mm / volume.voxel_mm)
-                    : std::numeric_limits<float>::infinity();
+  m.thickness = volume.thickness_mm > 0 ? static_cast<float>(volume.thickness_mm / volume.voxel_mm)
+                                        : std::numeric_limits<float>::infinity();
   fill_majorants(made);
   m.voxels = made.voxels.data();
   m.g = made.g.empty() ? nullptr : made.g.data();

@@ -19,10 +19,10 @@ struct PhotonVolume {
   // Where the pixels of the table are: squares of voxels_per_pixel, from (margin, margin) on.
   int width = 1, height = 1;
   int voxels_per_pixel = 1;
-  int margin = 0;                     // voxels
-  std::vector<float> sigma_a;         // [channel][z][y][x], 1/mm
-  std::vector<float> sigma_s;         // [channel][z][y][x], 1/mm
-  std::vector<float> g;               // [channel][z][y][x], empty: 0
+  int margin = 0;              // voxels
+  std::vector<float> sigma_a;  // [channel][z][y][x], 1/mm
+  std::vector<float> sigma_s;  // [channel][z][y][x], 1/mm
+  std::vector<float> g;        // [channel][z][y][x], empty: 0
 
   std::size_t voxels() const {
     return static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) *

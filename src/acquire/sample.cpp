@@ -52,8 +52,7 @@ std::array<double, 3> read_channels(const Document& node, int channels, double m
   const Document::Array& elements = as_array(node);
   if (elements.size() != static_cast<std::size_t>(channels))
     throw_at(node, channels == 1 ? "a number or an array of 1" : "a number or an array of 3");
-  for (std::size_t c = 0; c < elements.size(); ++c)
-    values[c] = as_number(elements[c], min, max);
+  for (std::size_t c = 0; c < elements.size(); ++c) values[c] = as_number(elements[c], min, max);
   return values;
 }
 

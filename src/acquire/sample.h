@@ -21,7 +21,7 @@ namespace parian {
 struct SampleMaterial {
   std::string name;
   std::array<DipoleCoefficients, 3> channels;
-  std::array<double, 3> g{};   // mean cosine of scattering; sigma_s = sigma_s_prime / (1 - g)
+  std::array<double, 3> g{};  // mean cosine of scattering; sigma_s = sigma_s_prime / (1 - g)
   std::optional<double> eta;  // of measured materials
 };
 

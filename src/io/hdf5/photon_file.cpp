@@ -21,8 +21,8 @@ constexpr std::size_t totals_per_channel = 11;
 std::uint64_t get_u64(const File& file, const std::string& name) {
   const auto value = find_u64(file, name);
   if (!value)
-    throw Error({file.path, fmt::format("attribute '{}'", name), "a whole number",
-                 "no such attribute"});
+    throw Error(
+        {file.path, fmt::format("attribute '{}'", name), "a whole number", "no such attribute"});
   return *value;
 }
 
