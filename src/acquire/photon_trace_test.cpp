@@ -90,6 +90,7 @@ TEST(PhotonTrace, TotalsOfTheHalfSpace) {
   for (std::size_t i = 0; i < albedo.size(); ++i)
     for (std::size_t k = 0; k < eta.size(); ++k) {
       TraceOptions options;
+      options.key = 10 * i + k;
       if (albedo[i] > 0.99) options.photons = 300;
       const Totals totals = measure(make_homogeneous(1 - albedo[i], albedo[i], eta[k]), options);
       EXPECT_GT(tail_of(totals.reflected, exact[i][k]), least_p(28))

@@ -75,12 +75,12 @@ Mixture mix_voxel(const Sample& sample, const std::vector<float>& weights, std::
                   std::size_t voxels, std::size_t channel) {
   Mixture sum;
   for (std::size_t m = 0; m < sample.materials.size(); ++m) {
-    const SampleMaterial& material = sample.materials[m];
-    const double weight = weights[m * voxels + voxel], g = material.g[channel];
-    const double sigma_s = weight * material.channels[channel].sigma_s_prime / (1 - g);
-    sum.sigma_a += weight * material.channels[channel].sigma_a;
+    const DipoleCoefficients& medium = sample.materials[m].channels[channel];
+    const double weight = weights[m * voxels + voxel];
+    const double sigma_s = weight * medium.sigma_s_prime / (1 - medium.g);
+    sum.sigma_a += weight * medium.sigma_a;
     sum.sigma_s += sigma_s;
-    sum.sigma_s_g += sigma_s * g;
+    sum.sigma_s_g += sigma_s * medium.g;
   }
   return sum;
 }
@@ -156,10 +156,9 @@ PhotonVolume make_photon_volume(const Sample& sample) {
   const std::size_t count = volume.voxels() * static_cast<std::size_t>(volume.channels);
   volume.sigma_a.resize(count);
   volume.sigma_s.resize(count);
-  const bool is_isotropic =
-      std::all_of(sample.materials.begin(), sample.materials.end(),
-                  [](const SampleMaterial& m) { return m.g == std::array<double, 3>{}; });
-  if (!is_isotropic) volume.g.resize(count);
+  for (const SampleMaterial& material : sample.materials)
+    for (const DipoleCoefficients& medium : material.channels)
+      if (medium.g != 0) volume.g.resize(count);
   mix_volume(sample, volume);
   return volume;
 }

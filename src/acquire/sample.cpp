@@ -64,7 +64,7 @@ SampleMaterial read_measured(const Document& node, int channels) {
     if (error.parts.place != "material") throw;
     throw_at(node, error.parts.expected, error.parts.found);
   }
-  SampleMaterial material{.name = {}, .channels = named->channels, .g = {}, .eta = named->eta};
+  SampleMaterial material{.name = {}, .channels = named->channels, .eta = named->eta};
   if (channels == 1) material.channels.fill(named->channels[1]);  // green
   for (const DipoleCoefficients& medium : material.channels)
     if (medium.sigma_s_prime < min_scattering)
@@ -89,8 +89,10 @@ SampleMaterial read_material(const Document& node, int channels) {
   }
   material.name = as_string(get(node, "name"));
   if (material.name.empty()) throw_at(get(node, "name"), "a name");
-  if (const Document* g = find(node, "g"))
-    material.g = read_channels(*g, channels, -max_anisotropy, max_anisotropy);
+  if (const Document* g = find(node, "g")) {
+    const auto values = read_channels(*g, channels, -max_anisotropy, max_anisotropy);
+    for (std::size_t c = 0; c < 3; ++c) material.channels[c].g = values[c];
+  }
   if (const Document* scale = find(node, "scale")) {
     const double factor = as_number(*scale, 1e-3, 1e3);
     for (DipoleCoefficients& medium : material.channels) {
