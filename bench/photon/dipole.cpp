@@ -65,7 +65,7 @@ PlotSeries measure_profile(double albedo, std::array<float, 3> color) {
 }
 
 PlotSeries dipole_profile(double albedo, std::array<float, 3> color) {
-  PlotSeries series{"dipole", {}, {}, color};
+  PlotSeries series{albedo == 0.5 ? "dipole (lines)" : "", {}, {}, color};
   constexpr double passed = 1 - 0.0918;  // of Lambertian light, at a refractive index of 1.5
   for (double r = 0.05; r <= 10; r += 0.05) {
     series.x.push_back(r);
@@ -79,7 +79,7 @@ PlotSeries dipole_profile(double albedo, std::array<float, 3> color) {
 void study_dipole(Study& study) {
   write_totals(study);
   Plot plot;
-  plot.title = "homogeneous half-space, eta 1.5, mean free path 1 mm";
+  plot.title = "half-space, eta 1.5, mean free path 1 mm";
   plot.x_label = "r [mm]";
   plot.y_label = "R_d [1/mm^2]";
   plot.log_y = true;
