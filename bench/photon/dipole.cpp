@@ -21,8 +21,8 @@ void write_totals(Study& study) {
   for (const double albedo : {0.5, 0.8, 0.9, 0.95, 0.99, 0.999}) {
     std::vector<std::string> row{fmt::format("{}", albedo)};
     for (const double eta : {1.3, 1.5}) {
-      const Totals totals = measure_totals(make_homogeneous(1 - albedo, albedo, 0, eta),
-                                           PhotonEntry::normal, 320000);
+      const Totals totals =
+          measure_totals(make_homogeneous(1 - albedo, albedo, 0, eta), PhotonEntry::normal, 320000);
       const double ratio = dipole_total(albedo, eta) / totals.reflected.value;
       row.push_back(fmt::format("{:+.1f} % ± {:.1f}", 100 * (ratio - 1),
                                 100 * ratio * totals.reflected.error / totals.reflected.value));
@@ -39,17 +39,16 @@ void write_totals(Study& study) {
 PlotSeries measure_profile(double albedo, std::array<float, 3> color) {
   const Document material =
       Document::Object{{"name", "all"}, {"sigma_a", 1 - albedo}, {"sigma_s_prime", albedo}};
-  const Sample sample = read_sample(
-      Document::Object{
-          {"name", "half-space"},
-          {"materials", Document::Array{material}},
-          {"layout", Document::Object{{"kind", "uniform"}}},
-          {"eta", 1.5},
-          {"channels", 1},
-          {"pitch_mm", 0.5},
-          {"size", Document::Array{25, 25}},
-          {"radius_px", 20}},
-      {});
+  const Sample sample =
+      read_sample(Document::Object{{"name", "half-space"},
+                                   {"materials", Document::Array{material}},
+                                   {"layout", Document::Object{{"kind", "uniform"}}},
+                                   {"eta", 1.5},
+                                   {"channels", 1},
+                                   {"pitch_mm", 0.5},
+                                   {"size", Document::Array{25, 25}},
+                                   {"radius_px", 20}},
+                  {});
   const Run run = run_photons(sample, {.photons = 16384});
   const BssrdfTable table = read_table(*make_photon_source(*run.simulation));
   PlotSeries series{fmt::format("photons, albedo {}", albedo), {}, {}, color, true, 4, 1};
@@ -69,7 +68,8 @@ PlotSeries dipole_profile(double albedo, std::array<float, 3> color) {
   constexpr double passed = 1 - 0.0918;  // of Lambertian light, at a refractive index of 1.5
   for (double r = 0.05; r <= 10; r += 0.05) {
     series.x.push_back(r);
-    series.y.push_back(passed * eval_dipole({.sigma_a = 1 - albedo, .sigma_s_prime = albedo}, 1.5, r));
+    series.y.push_back(passed *
+                       eval_dipole({.sigma_a = 1 - albedo, .sigma_s_prime = albedo}, 1.5, r));
   }
   return series;
 }

@@ -70,8 +70,10 @@ void add_rows(const Case& a, const Case& b, MarkdownTable& table) {
   const auto left = [](int near, int far) {
     return [=](int i, int k) { return std::min(i, k) >= near && std::max(i, k) < far; };
   };
-  table.rows.push_back(compare_pairs(a, "both in the light half, 3 mm from the border", left(0, 20)));
-  table.rows.push_back(compare_pairs(a, "both in the dark half, 3 mm from the border", left(44, 64)));
+  table.rows.push_back(
+      compare_pairs(a, "both in the light half, 3 mm from the border", left(0, 20)));
+  table.rows.push_back(
+      compare_pairs(a, "both in the dark half, 3 mm from the border", left(44, 64)));
   const auto across = [](int i, int k) {
     return std::min(i, k) < border && std::max(i, k) > border;
   };
@@ -108,11 +110,11 @@ Image draw_row(const Case& each) {
                        "d [mm]", 0, end, edge, -edge});
   };
   const Image bar = draw_color_bar(scale, data.height * magnification);
-  return arrange({{panel(data, scale, "photons: R_d(x, x + d)", false), bar},
-                  {panel(model, scale, "model: sqrt(P_x(|d|) P_x+d(|d|))", false), bar},
-                  {panel(ratio, errors, "error", true),
-                   draw_color_bar(errors, data.height * magnification)}},
-                 4);
+  return arrange(
+      {{panel(data, scale, "photons: R_d(x, x + d)", false), bar},
+       {panel(model, scale, "model: sqrt(P_x(|d|) P_x+d(|d|))", false), bar},
+       {panel(ratio, errors, "error", true), draw_color_bar(errors, data.height * magnification)}},
+      4);
 }
 
 // R_d between one pixel and those around it.
@@ -134,8 +136,7 @@ Image draw_around(const Case& each, int x, int y) {
   const auto panel = [&](const Image& values, const char* title) {
     return draw_panel({colorize(values, scale, 8), title, "mm", "", -edge, edge, edge, -edge});
   };
-  return arrange({{panel(data, "photons"), panel(model, "model"),
-                   draw_color_bar(scale, side * 8)}},
+  return arrange({{panel(data, "photons"), panel(model, "model"), draw_color_bar(scale, side * 8)}},
                  4);
 }
 
@@ -144,8 +145,8 @@ Image draw_around(const Case& each, int x, int y) {
 void study_limits(Study& study) {
   const Case a = make_case("two-materials"), b = make_case("narrow-blocker");
   const Page page = study.page("limits");
-  MarkdownTable errors{{"sample", "relative error, mean", "largest", "albedo error, mean", "largest",
-                        "standard error of the table at the median offset"},
+  MarkdownTable errors{{"sample", "relative error, mean", "largest", "albedo error, mean",
+                        "largest", "standard error of the table at the median offset"},
                        {}};
   for (const Case* each : {&a, &b})
     errors.rows.push_back({each->name,
@@ -155,7 +156,8 @@ void study_limits(Study& study) {
                            fmt::format("{:.1f} %", 100 * each->errors.albedo_error_max),
                            fmt::format("{:.1f} %", 100 * each->photons.median_error)});
   write_table(page, "errors", "Fits with `--weight energy` against the photon tables:", errors);
-  MarkdownTable pairs{{"pairs 1.5 to 2.25 mm apart", "R_d of photons", "of the model", "ratio"}, {}};
+  MarkdownTable pairs{{"pairs 1.5 to 2.25 mm apart", "R_d of photons", "of the model", "ratio"},
+                      {}};
   add_rows(a, b, pairs);
   write_table(page, "pairs", "Means over pairs of a kind, in 1/mm²:", pairs);
   write_picture(page, "two-materials", draw_row(a));
@@ -171,13 +173,12 @@ void study_thickness(Study& study) {
   const Totals whole = measure_totals(make_homogeneous(sigma_a, sigma_s_prime, 0, eta),
                                       PhotonEntry::lambertian, 320000);
   for (const double thickness : {0.5, 1.0, 2.0, 4.0, 8.0, 16.0}) {
-    const Totals slab = measure_totals(
-        make_homogeneous(sigma_a, sigma_s_prime, 0, eta, thickness), PhotonEntry::lambertian,
-        320000);
-    table.rows.push_back({fmt::format("{}", thickness), fmt::format("{}", thickness * sigma_s_prime),
-                          fmt::format("{:.3f}", slab.reflected.value),
-                          fmt::format("{:.3f}", slab.transmitted.value),
-                          fmt::format("{:.2f}", slab.reflected.value / whole.reflected.value)});
+    const Totals slab = measure_totals(make_homogeneous(sigma_a, sigma_s_prime, 0, eta, thickness),
+                                       PhotonEntry::lambertian, 320000);
+    table.rows.push_back(
+        {fmt::format("{}", thickness), fmt::format("{}", thickness * sigma_s_prime),
+         fmt::format("{:.3f}", slab.reflected.value), fmt::format("{:.3f}", slab.transmitted.value),
+         fmt::format("{:.2f}", slab.reflected.value / whole.reflected.value)});
   }
   write_table(study.page("limits"), "thickness",
               fmt::format("Slabs with σ_a = {}, σ_s′ = {} per mm, η = {}, light from all sides; "

@@ -1,4 +1,4 @@
-// bench_photon [all|speed|totals|time|similarity|dipole|limits|thickness] [-o FOLDER] [--docs DOCS]
+// bench_photon [all|STUDY] [-o FOLDER] [--docs DOCS]; studies are listed below.
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -13,15 +13,20 @@ struct NamedStudy {
   const char* name;
   void (*run)(Study&);
 };
-constexpr NamedStudy studies[] = {{"speed", study_speed},         {"totals", study_totals},
-                                  {"time", study_time},           {"similarity", study_similarity},
-                                  {"dipole", study_dipole},       {"limits", study_limits},
+constexpr NamedStudy studies[] = {{"speed", study_speed},
+                                  {"totals", study_totals},
+                                  {"time", study_time},
+                                  {"similarity", study_similarity},
+                                  {"importance", study_importance},
+                                  {"dipole", study_dipole},
+                                  {"pictures", study_pictures},
+                                  {"limits", study_limits},
                                   {"thickness", study_thickness}};
 
 int show_usage() {
   std::fputs(
-      "usage: bench_photon [all|speed|totals|time|similarity|dipole|limits|thickness]\n"
-      "                    [-o FOLDER] [--docs DOCS]\n"
+      "usage: bench_photon [all|speed|totals|time|similarity|importance|dipole|pictures|limits|\n"
+      "                     thickness] [-o FOLDER] [--docs DOCS]\n"
       "\n"
       "The photon engine: Markdown tables to the standard output and to FOLDER/*.md, pictures to\n"
       "FOLDER (default: out/bench/photon). --docs docs brings docs/acquisition.md, docs/limits.md\n"

@@ -67,12 +67,12 @@ std::vector<std::string> measure(const Tissue& tissue) {
 }  // namespace
 
 void study_speed(Study& study) {
-  MarkdownTable table{{"material", "σ_a [1/mm]", "σ_s′ [1/mm]", "g", "flights per photon",
-                       "photons / ms", "/ 35"},
-                      {}};
-  for (const Tissue& tissue : {Tissue{"wax", 0.01, 2, 0}, Tissue{"wax", 0.01, 2, 0.8},
-                               Tissue{"skin", 0.05, 1, 0}, Tissue{"skin", 0.05, 1, 0.8},
-                               Tissue{"skin", 0.05, 1, 0.9}})
+  MarkdownTable table{
+      {"material", "σ_a [1/mm]", "σ_s′ [1/mm]", "g", "flights per photon", "photons / ms", "/ 35"},
+      {}};
+  for (const Tissue& tissue :
+       {Tissue{"wax", 0.01, 2, 0}, Tissue{"wax", 0.01, 2, 0.8}, Tissue{"skin", 0.05, 1, 0},
+        Tissue{"skin", 0.05, 1, 0.8}, Tissue{"skin", 0.05, 1, 0.9}})
     table.rows.push_back(measure(tissue));
   write_table(study.page("acquisition"), "speed",
               fmt::format("{} threads; 80 × 80 × 40 voxels of 0.25 mm, η = 1.5, every voxel of "

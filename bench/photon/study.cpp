@@ -66,10 +66,9 @@ Sample make_stone(double g) {
   return read_sample(
       Document::Object{
           {"name", "stone"},
-          {"materials",
-           Document::Array{material("matrix", {0.02, 0.04, 0.08}, {1.6, 1.8, 2.0}),
-                           material("light", {0.004, 0.006, 0.01}, {2.2, 2.6, 3.0}),
-                           material("dark", {0.15, 0.06, 0.03}, {0.9, 0.9, 0.9})}},
+          {"materials", Document::Array{material("matrix", {0.02, 0.04, 0.08}, {1.6, 1.8, 2.0}),
+                                        material("light", {0.004, 0.006, 0.01}, {2.2, 2.6, 3.0}),
+                                        material("dark", {0.15, 0.06, 0.03}, {0.9, 0.9, 0.9})}},
           {"layout", Document::Object{{"kind", "stones"}, {"size_mm", 6}}},
           {"depth", Document::Object{{"solid", true}, {"grid_mm", 8}}},
           {"eta", 1.5},

@@ -45,7 +45,9 @@ void study_speed(Study& study);
 void study_totals(Study& study);
 void study_time(Study& study);
 void study_similarity(Study& study);
+void study_importance(Study& study);
 void study_dipole(Study& study);
+void study_pictures(Study& study);
 void study_limits(Study& study);
 void study_thickness(Study& study);
 

@@ -36,8 +36,7 @@ MarkdownTable tabulate(const std::vector<Row>& rows) {
 
 void study_time(Study& study) {
   const Sample stone = make_stone(0);
-  const Run analogue =
-      run_photons(stone, {.photons = 12288, .tracking = PhotonTracking::analogue});
+  const Run analogue = run_photons(stone, {.photons = 12288, .tracking = PhotonTracking::analogue});
   const Run importance = run_photons(stone, {.photons = 12288});
   const double error = analogue.report.median_error;
   write_table(
@@ -46,11 +45,11 @@ void study_time(Study& study) {
                   "threads. Mean relative standard error of the pairs at {:.2f} mm, the median "
                   "offset; times to 15 % and 5 % are extrapolated.",
                   thread_count(), importance.report.median_offset_mm),
-      tabulate({{"all photons alike, one direction of each pair", std::sqrt(2.0) * error,
-                 analogue.seconds},
-                {"mean of both directions", error, analogue.seconds},
-                {"and importance (the default)", importance.report.median_error,
-                 importance.seconds}}));
+      tabulate(
+          {{"all photons alike, one direction of each pair", std::sqrt(2.0) * error,
+            analogue.seconds},
+           {"mean of both directions", error, analogue.seconds},
+           {"and importance (the default)", importance.report.median_error, importance.seconds}}));
 }
 
 namespace {
@@ -62,8 +61,8 @@ std::vector<double> ring_means(const PhotonSimulation& simulation, double step_m
   const TableHeader& header = table.header;
   std::vector<double> sum(n), count(n);
   for (std::size_t k = 0; k < header.offsets.size(); ++k) {
-    const auto ring = static_cast<std::size_t>(length_px(header.offsets[k]) *
-                                               header.pixel_pitch_mm / step_mm);
+    const auto ring =
+        static_cast<std::size_t>(length_px(header.offsets[k]) * header.pixel_pitch_mm / step_mm);
     if (ring >= n) continue;
     for (int c = 0; c < header.channels; ++c) {
       const float* slice = slice_of(table, c, static_cast<int>(k));
@@ -83,15 +82,15 @@ void study_similarity(Study& study) {
   const Run importance = run_photons(stone, {.photons = 4096});
   const Run similar = run_photons(stone, {.photons = 12288, .similarity = true});
   const double error = analogue.report.median_error;
-  write_table(study.page("acquisition"), "similarity-time",
-              "The same stone with g = 0.8 and the same σ_s′:",
-              tabulate({{"all photons alike, one direction of each pair", std::sqrt(2.0) * error,
-                         analogue.seconds},
-                        {"mean of both directions", error, analogue.seconds},
-                        {"and importance (the default)", importance.report.median_error,
-                         importance.seconds},
-                        {"and `--similarity` (biased)", similar.report.median_error,
-                         similar.seconds}}));
+  write_table(
+      study.page("acquisition"), "similarity-time",
+      "The same stone with g = 0.8 and the same σ_s′:",
+      tabulate(
+          {{"all photons alike, one direction of each pair", std::sqrt(2.0) * error,
+            analogue.seconds},
+           {"mean of both directions", error, analogue.seconds},
+           {"and importance (the default)", importance.report.median_error, importance.seconds},
+           {"and `--similarity` (biased)", similar.report.median_error, similar.seconds}}));
   constexpr std::size_t rings = 8;
   const std::vector<double> own = ring_means(*importance.simulation, 0.5, rings);
   const std::vector<double> reduced = ring_means(*similar.simulation, 0.5, rings);
@@ -104,7 +103,8 @@ void study_similarity(Study& study) {
   for (std::size_t c = 0; c < 3; ++c)
     totals += (similar.report.channels[c].reflected.value /
                    importance.report.channels[c].reflected.value -
-               1) / 3;
+               1) /
+              3;
   write_table(study.page("acquisition"), "similarity-bias",
               fmt::format("Bias of similarity by distance in mm (rings of 0.5 mm); of the total "
                           "reflectance: {:+.2f} %.",

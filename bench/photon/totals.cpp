@@ -54,9 +54,9 @@ void write_slabs(Study& study) {
                {0.9, 0.5, 1, -1, .73909},
                {0.9, 0.75, 2, .09739, .66096}};
   for (const auto& slab : slabs) {
-    const Totals totals = measure_totals(
-        make_homogeneous(1 - slab.albedo, slab.albedo, slab.g, 1, slab.b), PhotonEntry::normal,
-        1000000);
+    const Totals totals =
+        measure_totals(make_homogeneous(1 - slab.albedo, slab.albedo, slab.g, 1, slab.b),
+                       PhotonEntry::normal, 1000000);
     const bool listed = slab.reflected > 0;
     table.rows.push_back({fmt::format("albedo {}, g {}, thickness {}", slab.albedo, slab.g, slab.b),
                           listed ? format_pair(totals.reflected, slab.reflected)

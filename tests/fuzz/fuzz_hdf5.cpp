@@ -203,14 +203,13 @@ namespace {
 PhotonSimulation make_simulation() {
   const Document material =
       Document::Object{{"name", "all"}, {"sigma_a", 0.1}, {"sigma_s_prime", 1}};
-  const Document description =
-      Document::Object{{"name", "plain"},
-                       {"materials", Document::Array{material}},
-                       {"layout", Document::Object{{"kind", "uniform"}}},
-                       {"channels", 1},
-                       {"pitch_mm", 1},
-                       {"size", Document::Array{4, 3}},
-                       {"radius_px", 1}};
+  const Document description = Document::Object{{"name", "plain"},
+                                                {"materials", Document::Array{material}},
+                                                {"layout", Document::Object{{"kind", "uniform"}}},
+                                                {"channels", 1},
+                                                {"pitch_mm", 1},
+                                                {"size", Document::Array{4, 3}},
+                                                {"radius_px", 1}};
   return {read_sample(description, {}), {.photons = 16}};
 }
 

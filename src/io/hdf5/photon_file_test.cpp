@@ -82,8 +82,9 @@ TEST_F(PhotonFiles, RoundTripBitForBit) {
 TEST_F(PhotonFiles, OtherRunsAreRefused) {
   const PhotonSimulation other(make_sample(0.8), params);
   EXPECT_EQ(std::string(error_of([&] { load_photon_progress(path, other); }).what()),
-            path + ": attribute 'fingerprint': expected that of this sample and these parameters, "
-                   "found that of another");
+            path +
+                ": attribute 'fingerprint': expected that of this sample and these parameters, "
+                "found that of another");
 }
 
 TEST_F(PhotonFiles, DamageIsFound) {
