@@ -25,13 +25,14 @@ std::array<double, 4> measure_merit(const PhotonVolume& volume, const PhotonChan
   for (std::size_t k = 0; k < 4; ++k) sum[k].resize(pixels), squares[k].resize(pixels);
   for (std::uint64_t round = 0; round < rounds; ++round) {
     std::vector<float> tally(pixels * side * side);
-    std::vector<double> work(pixels);
-    parallel_for_blocks(pixels, 128, [&](std::size_t begin, std::size_t end) {
+    const auto rows = static_cast<std::size_t>(volume.height);
+    std::vector<double> work(rows);
+    parallel_for(rows, [&](std::size_t row) {
       PhotonTask task;
       task.volume = &volume, task.channel = &channel, task.window = window;
-      task.radius = radius, task.first_pixel = begin, task.pixels = end - begin;
+      task.radius = radius, task.y0 = static_cast<int>(row), task.columns = volume.width;
       task.key = 1, task.photons = 64, task.first_photon = 64 * round;
-      work[begin] = trace_photons(task, tally.data() + begin * side * side).flights;
+      work[row] = trace_photons(task, tally.data() + row * task.pixels() * side * side).flights;
     });
     for (const double each : work) flights += each;
     for (std::size_t k = 0; k < 4; ++k)

@@ -37,18 +37,18 @@ PhotonVolume make_grid(const Tissue& tissue, double eta) {
 std::vector<std::string> measure(const Tissue& tissue) {
   const PhotonVolume volume = make_grid(tissue, 1.5);
   const PhotonChannel channel = make_photon_channel(volume, 0);
-  constexpr std::size_t pixels = 400, block = 20, photons = 1000;
+  constexpr std::size_t pixels = 400, rows = 20, photons = 1000;
   double best = 1e30, flights = 0;
   for (int repeat = 0; repeat < 3; ++repeat) {
-    std::vector<double> found(pixels / block);
+    std::vector<double> found(rows);
     const double start = seconds_now();
-    parallel_for_blocks(pixels, block, [&](std::size_t begin, std::size_t end) {
+    parallel_for(rows, [&](std::size_t row) {
       PhotonTask task;
       task.volume = &volume, task.channel = &channel;
-      task.radius = 8, task.first_pixel = begin, task.pixels = end - begin;
+      task.radius = 8, task.y0 = static_cast<int>(row), task.columns = 20;
       task.key = 2, task.photons = photons;
-      std::vector<float> tally(task.pixels * 17 * 17);
-      found[begin / block] = trace_photons(task, tally.data()).flights;
+      std::vector<float> tally(task.pixels() * 17 * 17);
+      found[row] = trace_photons(task, tally.data()).flights;
     });
     best = std::min(best, seconds_now() - start);
     flights = 0;

@@ -37,7 +37,9 @@ MarkdownTable tabulate(const std::vector<Row>& rows) {
 void study_time(Study& study) {
   const Sample stone = make_stone(0);
   const Run analogue = run_photons(stone, {.photons = 12288, .tracking = PhotonTracking::analogue});
-  const Run importance = run_photons(stone, {.photons = 12288});
+  const Run importance =
+      run_photons(stone, {.photons = 8192, .tracking = PhotonTracking::importance});
+  const Run shared = run_photons(stone, {.photons = 8192});
   const double error = analogue.report.median_error;
   write_table(
       study.page("acquisition"), "time",
@@ -79,8 +81,10 @@ std::vector<double> ring_means(const PhotonSimulation& simulation, double step_m
 void study_similarity(Study& study) {
   const Sample stone = make_stone(0.8);
   const Run analogue = run_photons(stone, {.photons = 1536, .tracking = PhotonTracking::analogue});
-  const Run importance = run_photons(stone, {.photons = 4096});
-  const Run similar = run_photons(stone, {.photons = 12288, .similarity = true});
+  const Run importance =
+      run_photons(stone, {.photons = 4096, .tracking = PhotonTracking::importance});
+  const Run shared = run_photons(stone, {.photons = 4096});
+  const Run similar = run_photons(stone, {.photons = 8192, .similarity = true});
   const double error = analogue.report.median_error;
   write_table(
       study.page("acquisition"), "similarity-time",
@@ -92,7 +96,7 @@ void study_similarity(Study& study) {
            {"and importance (the default)", importance.report.median_error, importance.seconds},
            {"and `--similarity` (biased)", similar.report.median_error, similar.seconds}}));
   constexpr std::size_t rings = 8;
-  const std::vector<double> own = ring_means(*importance.simulation, 0.5, rings);
+  const std::vector<double> own = ring_means(*shared.simulation, 0.5, rings);
   const std::vector<double> reduced = ring_means(*similar.simulation, 0.5, rings);
   MarkdownTable bias{{"distance"}, {{"R_d with σ_s (1 − g), relative to g = 0.8"}}};
   for (std::size_t i = 0; i < rings; ++i) {
@@ -101,10 +105,10 @@ void study_similarity(Study& study) {
   }
   double totals = 0;
   for (std::size_t c = 0; c < 3; ++c)
-    totals += (similar.report.channels[c].reflected.value /
-                   importance.report.channels[c].reflected.value -
-               1) /
-              3;
+    totals +=
+        (similar.report.channels[c].reflected.value / shared.report.channels[c].reflected.value -
+         1) /
+        3;
   write_table(study.page("acquisition"), "similarity-bias",
               fmt::format("Bias of similarity by distance in mm (rings of 0.5 mm); of the total "
                           "reflectance: {:+.2f} %.",

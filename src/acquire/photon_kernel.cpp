@@ -22,7 +22,10 @@ struct Arrays {
   std::uint32_t *PARIAN_RESTRICT a, *PARIAN_RESTRICT b, *PARIAN_RESTRICT c,
       *PARIAN_RESTRICT counter;
   std::uint32_t* PARIAN_RESTRICT state;
+  const std::int32_t *PARIAN_RESTRICT shift_x, *PARIAN_RESTRICT shift_y;
 };
+
+enum class Mode { weights, record };
 
 [[gnu::always_inline]] inline float clamp(float value, float most) {
   const float low = value > 0 ? value : 0;
@@ -79,12 +82,19 @@ struct Arrays {
 
 // One flight of one lane: ln u / majorant far, at most a cell; then a boundary, or a collision with
 // probability sigma_t / majorant.
-template <bool anisotropic>
+// Where in the padded grid, along one axis of n voxels.
+[[gnu::always_inline]] inline int place_of(float position, std::int32_t shift, int n, int pad) {
+  const int voxel = static_cast<int>(std::floor(position)) - shift;
+  const int low = voxel > -pad ? voxel : -pad;
+  return (low < n ? low : n) + pad;
+}
+
+template <bool anisotropic, Mode mode>
 [[gnu::always_inline]] inline void fly_lane(const Arrays& lanes, const PhotonMedium& m,
                                             const float* PARIAN_RESTRICT voxels,
                                             const float* PARIAN_RESTRICT inverse_majorant,
                                             const float* PARIAN_RESTRICT anisotropy, float per_cell,
-                                            std::size_t i) {
+                                            std::int32_t* PARIAN_RESTRICT record, std::size_t i) {
   const bool is_flying = lanes.state[i] == 0;
   const float x = lanes.x[i], y = lanes.y[i], z = lanes.z[i];
   const Direction d{lanes.ux[i], lanes.uy[i], lanes.uz[i]};
@@ -120,7 +130,9 @@ template <bool anisotropic>
   const int vz = static_cast<int>(clamp(pz, static_cast<float>(m.nz) - 0.5f));
   const int voxel = (vz * m.ny + vy) * m.nx + vx;
   const float sigma_t = voxels[2 * voxel], albedo = voxels[2 * voxel + 1];
-  const bool collides = is_flying & !is_cut & !at_boundary & (u2 < sigma_t * inverse);
+  const bool at_place = is_flying & !is_cut & !at_boundary;
+  const bool collides = at_place & (u2 < sigma_t * inverse);
+  const bool is_absorbed = mode == Mode::record && (collides & !(u2 < sigma_t * albedo * inverse));
 
   Direction scattered;
   if constexpr (anisotropic)
@@ -128,31 +140,47 @@ template <bool anisotropic>
   else
     scattered = turn_isotropic(u3, u4);
   const float passed_z = at_boundary & !leaves ? -d.z : d.z;
-  const float weight = lanes.weight[i];
-  const float kept = collides ? weight * albedo : weight;
-  lanes.absorbed[i] += weight - kept;
-  lanes.weight[i] = kept;
+  const std::uint32_t left = at_top ? 1u : 2u;
+  std::uint32_t state = leaves ? left : lanes.state[i];
+  if constexpr (mode == Mode::weights) {
+    const float weight = lanes.weight[i];
+    const float kept = collides ? weight * albedo : weight;
+    lanes.absorbed[i] += weight - kept;
+    lanes.weight[i] = kept;
+  } else {
+    state = is_absorbed ? 3u : state;
+    const int x0 = place_of(px, lanes.shift_x[i], m.nx, m.pad);
+    const int y0 = place_of(py, lanes.shift_y[i], m.ny, m.pad);
+    const int z0 = vz + (collides ? m.nz : 0);
+    const int place = (z0 * (m.ny + 2 * m.pad) + y0) * (m.nx + 2 * m.pad) + x0;
+    record[i] = at_place ? place : -1;
+  }
   lanes.x[i] = px, lanes.y[i] = py, lanes.z[i] = pz;
   lanes.ux[i] = collides ? scattered.x : d.x;
   lanes.uy[i] = collides ? scattered.y : d.y;
   lanes.uz[i] = collides ? scattered.z : passed_z;
-  const std::uint32_t left = at_top ? 1u : 2u;
-  lanes.state[i] = leaves ? left : lanes.state[i];
+  lanes.state[i] = state;
 }
 
-template <bool anisotropic>
+template <bool anisotropic, Mode mode>
 [[gnu::always_inline]] inline void fly(PhotonLanes* lanes, const PhotonMedium* medium,
-                                       std::size_t active, int steps) {
+                                       std::size_t active, int steps, std::int32_t* trail,
+                                       std::size_t rows, std::size_t first) {
   const PhotonMedium m = *medium;
   const float per_cell = 1 / m.cell_voxels;
-  const Arrays arrays{lanes->x,  lanes->y,       lanes->z,        lanes->ux, lanes->uy,
-                      lanes->uz, lanes->weight,  lanes->absorbed, lanes->a,  lanes->b,
-                      lanes->c,  lanes->counter, lanes->state};
+  const Arrays arrays{lanes->x,  lanes->y,       lanes->z,        lanes->ux,      lanes->uy,
+                      lanes->uz, lanes->weight,  lanes->absorbed, lanes->a,       lanes->b,
+                      lanes->c,  lanes->counter, lanes->state,    lanes->shift_x, lanes->shift_y};
   const std::size_t end = (active + 15) / 16 * 16;
-  for (int step = 0; step < steps; ++step)
+  for (int step = 0; step < steps; ++step) {
+    std::int32_t* record = trail;
+    if constexpr (mode == Mode::record)
+      record += (first + static_cast<std::size_t>(step)) % rows * PhotonLanes::count;
 #pragma GCC ivdep
     for (std::size_t i = 0; i < end; ++i)
-      fly_lane<anisotropic>(arrays, m, m.voxels, m.inverse_majorant, m.g, per_cell, i);
+      fly_lane<anisotropic, mode>(arrays, m, m.voxels, m.inverse_majorant, m.g, per_cell, record,
+                                  i);
+  }
 }
 
 }  // namespace
@@ -160,13 +188,45 @@ template <bool anisotropic>
 PARIAN_HOT void fly_isotropic(PhotonLanes* PARIAN_RESTRICT lanes,
                               const PhotonMedium* PARIAN_RESTRICT medium, std::size_t active,
                               int steps) {
-  fly<false>(lanes, medium, active, steps);
+  fly<false, Mode::weights>(lanes, medium, active, steps, nullptr, 1, 0);
 }
 
 PARIAN_HOT void fly_anisotropic(PhotonLanes* PARIAN_RESTRICT lanes,
                                 const PhotonMedium* PARIAN_RESTRICT medium, std::size_t active,
                                 int steps) {
-  fly<true>(lanes, medium, active, steps);
+  fly<true, Mode::weights>(lanes, medium, active, steps, nullptr, 1, 0);
+}
+
+PARIAN_HOT void record_isotropic(PhotonLanes* PARIAN_RESTRICT lanes,
+                                 const PhotonMedium* PARIAN_RESTRICT medium, std::size_t active,
+                                 int steps, std::int32_t* PARIAN_RESTRICT trail, std::size_t rows,
+                                 std::size_t first) {
+  fly<false, Mode::record>(lanes, medium, active, steps, trail, rows, first);
+}
+
+PARIAN_HOT void record_anisotropic(PhotonLanes* PARIAN_RESTRICT lanes,
+                                   const PhotonMedium* PARIAN_RESTRICT medium, std::size_t active,
+                                   int steps, std::int32_t* PARIAN_RESTRICT trail, std::size_t rows,
+                                   std::size_t first) {
+  fly<true, Mode::record>(lanes, medium, active, steps, trail, rows, first);
+}
+
+PARIAN_HOT void add_trail(const float* PARIAN_RESTRICT table,
+                          const std::int32_t* PARIAN_RESTRICT trail, std::size_t rows,
+                          std::size_t first, std::size_t count, std::size_t pixel, std::size_t row,
+                          float* PARIAN_RESTRICT sum) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::int32_t place = trail[(first + k) % rows * PhotonLanes::count];
+    if (place < 0) continue;
+    const float* at = table + place;
+    for (std::size_t j = 0; j < shared_side; ++j) {
+      const float* line = at + j * row * pixel;
+      if (pixel == 1)
+        for (std::size_t i = 0; i < shared_side; ++i) sum[j * shared_side + i] += line[i];
+      else
+        for (std::size_t i = 0; i < shared_side; ++i) sum[j * shared_side + i] += line[i * pixel];
+    }
+  }
 }
 
 PARIAN_HOT void mark_lanes(PhotonLanes* PARIAN_RESTRICT lanes,
@@ -186,7 +246,7 @@ PARIAN_HOT void mark_lanes(PhotonLanes* PARIAN_RESTRICT lanes,
     const float weight = lanes->weight[i];
     lanes->target[i] = target;
     const bool is_off = (weight < w.low * target) | (weight > w.high * target);
-    lanes->attention[i] = lanes->state[i] | (is_off ? 4u : 0u);
+    lanes->attention[i] = lanes->state[i] | (is_off ? 8u : 0u);
   }
 }
 

@@ -22,9 +22,11 @@ struct PhotonMedium {
   int cells_x = 1, cells_y = 1, cells_z = 1;
   float eta = 1.5f;
   float thickness = 0;  // infinity: half-infinite
+  // Of the tables that recorded flights refer to: the grid with `pad` voxels more on all sides.
+  int pad = 0;
 };
 
-enum class PhotonState : std::uint32_t { flying = 0, left_top = 1, left_bottom = 2, empty = 3 };
+enum class PhotonState : std::uint32_t { flying, left_top, left_bottom, absorbed, empty };
 
 // Photons side by side. Random numbers come from one sfc32 generator per photon (three words and a
 // counter), seeded by the photon's number: what a photon does depends on nothing but that.
@@ -37,6 +39,7 @@ struct PhotonLanes {
   std::uint32_t state[count];  // PhotonState
   std::uint32_t pixel[count];  // in which light entered, as the caller numbers them
   float entry_x[count], entry_y[count];
+  std::int32_t shift_x[count], shift_y[count];  // voxels by which recorded places are shifted back
   // Written by mark_lanes.
   float target[count];             // the weight that is wanted where the photon is
   std::uint32_t attention[count];  // not 0: left, or its weight is far from the target
@@ -46,6 +49,21 @@ struct PhotonLanes {
 // stays where it left, with its direction inside the medium.
 void fly_isotropic(PhotonLanes* lanes, const PhotonMedium* medium, std::size_t active, int steps);
 void fly_anisotropic(PhotonLanes* lanes, const PhotonMedium* medium, std::size_t active, int steps);
+
+// The same for paths that are to be shifted: absorption ends a photon instead of taking weight, so
+// that weights do not depend on the place, and each flight leaves in row[lane] where it ended,
+//   ((real (nz) + z) (ny + 2 pad) + y) (nx + 2 pad) + x, real = 1 where it was scattered,
+// shifted back by the lane's shift and cut to the padded grid, or -1 where nothing happened. Rows
+// are taken in turn from `trail`, [rows][lane], beginning with row `first`.
+void record_isotropic(PhotonLanes* lanes, const PhotonMedium* medium, std::size_t active, int steps,
+                      std::int32_t* trail, std::size_t rows, std::size_t first);
+void record_anisotropic(PhotonLanes* lanes, const PhotonMedium* medium, std::size_t active,
+                        int steps, std::int32_t* trail, std::size_t rows, std::size_t first);
+
+// sum[j][i] += table[place + (j row + i) pixel] for each place of the lane's trail.
+inline constexpr std::size_t shared_side = 8;
+void add_trail(const float* table, const std::int32_t* trail, std::size_t rows, std::size_t first,
+               std::size_t count, std::size_t pixel, std::size_t row, float* sum);
 
 // Weights that photons should have by the distance s from where they entered, s^2 = dx^2 + dy^2 +
 // (depth_factor z)^2: 1 up to `near`, then near / s, but not below `least`; and beyond `reach`,

@@ -318,7 +318,7 @@ TEST(PhotonKernel, WeightWindow) {
   lanes->state[0] = 1;
   mark_lanes(lanes.get(), &window, 6);
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_FLOAT_EQ(lanes->target[i], target[i]) << i;
-  const std::array<std::uint32_t, 6> attention{1, 0, 4, 4, 4, 0};
+  const std::array<std::uint32_t, 6> attention{1, 0, 8, 8, 8, 0};
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_EQ(lanes->attention[i], attention[i]) << i;
 }
 

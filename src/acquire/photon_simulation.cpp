@@ -17,8 +17,7 @@ namespace parian {
 namespace {
 
 constexpr std::uint64_t photons_in_round = 1u << 22u;  // about, all pixels and channels
-constexpr std::uint64_t photons_in_task = 8192;
-constexpr std::uint64_t least_rounds = 16;   // for the variances
+constexpr std::uint64_t least_rounds = 16;             // for the variances
 constexpr std::uint64_t engine_version = 1;  // changes when the same seed gives other bits
 
 TableHeader make_header(const Sample& sample, const PhotonParams& params) {
@@ -47,17 +46,55 @@ TableHeader make_header(const Sample& sample, const PhotonParams& params) {
 // The photons that reach the table's radius are few, and those beyond or deep below it rarely come
 // back. The numbers are the best of those tried (docs/acquisition.md).
 WeightWindow make_window(PhotonTracking tracking, double radius_voxels) {
-  if (tracking == PhotonTracking::analogue) return {};
   const auto reach = static_cast<float>(radius_voxels);
-  return {.near = 0.09f * reach,
-          .reach = reach,
-          .depth_factor = 2,
-          .least = 0.25f,
-          .most = 10,
-          .low = 0.5f,
-          .high = 2,
-          .restored = 1};
+  WeightWindow window;
+  if (tracking == PhotonTracking::analogue) return window;
+  window.reach = reach;
+  window.most = 10;
+  window.low = 0.5f;
+  window.restored = 1;
+  if (tracking == PhotonTracking::shared) return window;
+  window.near = 0.09f * reach;
+  window.depth_factor = 2;
+  window.least = 0.25f;
+  window.high = 2;
+  return window;
 }
+
+// The blocks of up to 8 x 8 pixels in which light enters, and in whose order tallies lie: [block]
+// [pixel][window], with room for whole blocks. Where they begin changes from round to round, so
+// that no border shows in the noise that their pixels share.
+class Blocks {
+ public:
+  Blocks(const TableHeader& header, std::uint64_t round)
+      : width_(header.width),
+        height_(header.height),
+        shift_x_(static_cast<int>(hash_u64(1, round) % shared_side)),
+        shift_y_(static_cast<int>(hash_u64(2, round) % shared_side)),
+        across_((width_ + shift_x_ + side - 1) / side) {}
+
+  std::size_t count() const {
+    return static_cast<std::size_t>(across_ * ((height_ + shift_y_ + side - 1) / side));
+  }
+  void place(std::size_t block, PhotonTask& task) const {
+    const int column = static_cast<int>(block) % across_, row = static_cast<int>(block) / across_;
+    task.x0 = std::max(0, column * side - shift_x_);
+    task.y0 = std::max(0, row * side - shift_y_);
+    task.columns = std::min(width_, (column + 1) * side - shift_x_) - task.x0;
+    task.rows = std::min(height_, (row + 1) * side - shift_y_) - task.y0;
+  }
+  std::size_t index(int x, int y) const {
+    const int block = (y + shift_y_) / side * across_ + (x + shift_x_) / side;
+    PhotonTask task;
+    place(static_cast<std::size_t>(block), task);
+    return static_cast<std::size_t>(block * side * side + (y - task.y0) * task.columns + x -
+                                    task.x0);
+  }
+
+ private:
+  static constexpr int side = static_cast<int>(shared_side);
+  int width_, height_, shift_x_, shift_y_, across_;
+};
 
 }  // namespace
 
@@ -77,8 +114,9 @@ ParamList describe(PhotonParams& params) {
            .help = "how light arrives: from all sides, or along the normal",
            .target = make_choice(params.entry, {"lambertian", "normal"})},
           {.name = "tracking",
-           .help = "more work for far pairs, or all photons alike",
-           .target = make_choice(params.tracking, {"importance", "analogue"})},
+           .help = "paths that count for all pixels near their own; more work for far pairs; or "
+                   "all photons alike",
+           .target = make_choice(params.tracking, {"shared", "importance", "analogue"})},
           {.name = "similarity",
            .help = "isotropic scattering with sigma_s (1 - g) instead of sigma_s and g",
            .target = &params.similarity},
@@ -106,7 +144,10 @@ PhotonSimulation::PhotonSimulation(const Sample& sample, const PhotonParams& par
     photons_per_round_ = std::clamp<std::uint64_t>(wanted / least_rounds, 1, photons_per_round_);
     rounds_wanted_ = std::max(least_rounds, (wanted + photons_per_round_ - 1) / photons_per_round_);
   }
-  for (int c = 0; c < header_.channels; ++c) channels_.push_back(make_photon_channel(volume_, c));
+  for (int c = 0; c < header_.channels; ++c)
+    channels_.push_back(params.tracking == PhotonTracking::shared && can_share(volume_, c)
+                            ? make_shared_channel(volume_, c)
+                            : make_photon_channel(volume_, c));
   const std::size_t values = header_.offsets.size() * header_.pixels();
   progress_.sums.resize(channels_.size());
   progress_.totals.resize(channels_.size());
@@ -151,28 +192,35 @@ double PhotonSimulation::done() const {
   return std::min(part, 1.0);
 }
 
-void PhotonSimulation::advance() {
-  const int channel =
-      static_cast<int>(progress_.steps % static_cast<std::uint64_t>(header_.channels));
-  const auto side = static_cast<std::size_t>(2 * radius_ + 1);
-  const std::size_t pixels = header_.pixels(), window = side * side;
-  std::vector<float> tally(pixels * window, 0.f);
+PhotonTask PhotonSimulation::make_task(int channel) const {
   PhotonTask task;
   task.volume = &volume_;
   task.channel = &channels_[static_cast<std::size_t>(channel)];
   task.entry = params_.entry;
-  task.window = make_window(params_.tracking, (radius_ + 0.5) * volume_.voxels_per_pixel);
+  task.shared = !task.channel->log_events.empty();
+  const bool falls_back = params_.tracking == PhotonTracking::shared && !task.shared;
+  task.window = make_window(falls_back ? PhotonTracking::importance : params_.tracking,
+                            (radius_ + 0.5) * volume_.voxels_per_pixel);
   task.radius = radius_;
   task.key = hash_u64(hash_u64(params_.photon_seed), static_cast<std::uint64_t>(channel));
   task.photons = photons_per_round_;
   task.first_photon = rounds(channel) * photons_per_round_;
-  const std::size_t block = std::max<std::size_t>(1, photons_in_task / photons_per_round_);
-  std::vector<PhotonTotals> totals((pixels + block - 1) / block);
-  parallel_for_blocks(pixels, block, [&](std::size_t begin, std::size_t end) {
+  return task;
+}
+
+void PhotonSimulation::advance() {
+  const int channel =
+      static_cast<int>(progress_.steps % static_cast<std::uint64_t>(header_.channels));
+  const PhotonTask task = make_task(channel);
+  const auto side = static_cast<std::size_t>(2 * radius_ + 1);
+  const Blocks blocks(header_, rounds(channel));
+  const std::size_t block_values = shared_side * shared_side * side * side;
+  std::vector<float> tally(blocks.count() * block_values, 0.f);
+  std::vector<PhotonTotals> totals(blocks.count());
+  parallel_for(blocks.count(), [&](std::size_t block) {
     PhotonTask part = task;
-    part.first_pixel = begin;
-    part.pixels = end - begin;
-    totals[begin / block] = trace_photons(part, tally.data() + begin * window);
+    blocks.place(block, part);
+    totals[block] = trace_photons(part, tally.data() + block * block_values);
   });
   PhotonTotals sum;
   for (const PhotonTotals& part : totals) sum += part;
@@ -193,7 +241,14 @@ void PhotonSimulation::advance() {
 // Both directions of each pair, from the tallies of its two pixels.
 void PhotonSimulation::add_round(int channel, const std::vector<float>& tally) {
   PhotonSums& sums = progress_.sums[static_cast<std::size_t>(channel)];
-  const auto width = static_cast<std::size_t>(header_.width);
+  const auto pixel = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(header_.width) +
+           static_cast<std::size_t>(x);
+  };
+  const Blocks blocks(header_, rounds(channel));
+  std::vector<std::size_t> place(header_.pixels());
+  for (int y = 0; y < header_.height; ++y)
+    for (int x = 0; x < header_.width; ++x) place[pixel(x, y)] = blocks.index(x, y);
   const auto side = static_cast<std::size_t>(2 * radius_ + 1);
   const float scale = 1 / static_cast<float>(photons_per_round_);
   parallel_for(header_.offsets.size(), [&](std::size_t k) {
@@ -202,16 +257,15 @@ void PhotonSimulation::add_round(int channel, const std::vector<float>& tally) {
       return static_cast<std::size_t>(dy + radius_) * side + static_cast<std::size_t>(dx + radius_);
     };
     const std::size_t there = slot(d.dx, d.dy), back = slot(-d.dx, -d.dy);
-    const std::ptrdiff_t partner = static_cast<std::ptrdiff_t>(d.dy) * header_.width + d.dx;
     const PixelRange range = pairs_in_grid(header_, d);
     for (int y = range.y0; y < range.y1; ++y)
       for (int x = range.x0; x < range.x1; ++x) {
-        const std::size_t from = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
-        const std::size_t to = from + static_cast<std::size_t>(partner);
+        const std::size_t from = place[pixel(x, y)];
+        const std::size_t to = place[pixel(x + d.dx, y + d.dy)];
         const float forward = scale * tally[from * side * side + there];
         const float backward = scale * tally[to * side * side + back];
         const float mean = 0.5f * (forward + backward);
-        const std::size_t i = k * header_.pixels() + from;
+        const std::size_t i = k * header_.pixels() + pixel(x, y);
         sums.forward[i] += forward;
         sums.backward[i] += backward;
         sums.squares[i] += mean * mean;

@@ -18,9 +18,12 @@
 
 namespace parian {
 
-// How work is shared between near and far: `analogue` sends every photon alike, `importance` splits
-// photons on their way out and plays roulette with those that have gone beyond the table's radius.
-enum class PhotonTracking { importance, analogue };
+// How work is spent. `analogue`: all photons alike, each for the pixel in which it entered.
+// `importance`: photons are split on their way out, and those that have gone beyond the table's
+// radius play roulette. `shared`: paths count for all pixels of their block of 8 x 8, each by the
+// probability that it would have had there (photon_trace.h), and roulette beyond the radius; where
+// g differs within a channel, importance instead.
+enum class PhotonTracking { shared, importance, analogue };
 
 struct PhotonParams {
   // Per pixel and channel; 0: default_photons, or with `until` as many as that takes.
@@ -28,7 +31,7 @@ struct PhotonParams {
   // Stop when the mean relative standard error at the median offset is this; 0: never.
   double until = 0;
   PhotonEntry entry = PhotonEntry::lambertian;
-  PhotonTracking tracking = PhotonTracking::importance;
+  PhotonTracking tracking = PhotonTracking::shared;
   bool similarity = false;  // sigma_s (1 - g), isotropic, instead of sigma_s and g
   std::uint64_t photon_seed = 1;
 
@@ -84,6 +87,7 @@ class PhotonSimulation {
   double median_error() const;
 
  private:
+  PhotonTask make_task(int channel) const;
   void add_round(int channel, const std::vector<float>& tally);
 
   PhotonParams params_;

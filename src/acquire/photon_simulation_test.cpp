@@ -130,21 +130,25 @@ TEST(PhotonSimulation, TheTableSaysWhatItIs) {
   EXPECT_EQ(empty, make_report(simulation).empty_pairs);
 }
 
-// Over runs with other seeds, pairs scatter as the runs' own variances and noise models say.
-TEST(PhotonSimulation, NoiseIsThatOfRepeatedRuns) {
+// Variances of repeated runs beside what the runs themselves say.
+struct Repeated {
+  double measured = 0, own = 0;        // sums over pairs; from the spread over rounds
+  double largest = 0, smallest = 1e9;  // variance by offset over that of the noise model
+  double reflected_p = 0;              // of the total's spread, given its standard errors
+};
+Repeated repeat(PhotonTracking tracking) {
   const Sample sample = small_sample();
   constexpr int runs = 24;
-  std::vector<double> sum, squares;
-  double own = 0, reflected = 0, reflected2 = 0, error2 = 0;
-  double floor2 = 0, gain = 0;
+  std::vector<double> sum(7 * 48), squares(7 * 48);
+  Repeated found;
+  double reflected = 0, reflected2 = 0, error2 = 0, floor2 = 0, gain = 0;
   for (int i = 0; i < runs; ++i) {
-    PhotonSimulation simulation(sample,
-                                {.photons = 512, .photon_seed = static_cast<std::uint64_t>(i)});
+    PhotonSimulation simulation(
+        sample,
+        {.photons = 512, .tracking = tracking, .photon_seed = static_cast<std::uint64_t>(i)});
     while (!simulation.is_done()) simulation.advance();
     const auto source = make_photon_source(simulation);
     const BssrdfTable table = read_table(*source);
-    sum.resize(table.reflectance.size());
-    squares.resize(table.reflectance.size());
     const PhotonSums& sums = simulation.progress().sums[0];
     const auto n = static_cast<double>(simulation.rounds(0));
     for (std::size_t k = 0; k < sum.size(); ++k) {
@@ -152,17 +156,16 @@ TEST(PhotonSimulation, NoiseIsThatOfRepeatedRuns) {
       sum[k] += value, squares[k] += value * value;
       if (std::isnan(value)) continue;
       const double mean = (static_cast<double>(sums.forward[k]) + sums.backward[k]) / 2 / n;
-      own += (sums.squares[k] / n - mean * mean) / (n - 1) * 16 / runs;  // per pixel of 1/4 mm^2
+      // per pixel of 1/4 mm^2
+      found.own += (sums.squares[k] / n - mean * mean) / (n - 1) * 16 / runs;
     }
     floor2 += source->header().noise_floor[0] * source->header().noise_floor[0] / runs;
     gain += source->header().noise_gain[0] / runs;
-    const PhotonReport report = make_report(simulation);
-    reflected += report.channels[0].reflected.value;
-    reflected2 += report.channels[0].reflected.value * report.channels[0].reflected.value;
-    error2 += report.channels[0].reflected.error * report.channels[0].reflected.error / runs;
-    EXPECT_NEAR(report.asymmetry, report.expected_asymmetry, 0.25 * report.expected_asymmetry);
+    const PhotonEstimate total = make_report(simulation).channels[0].reflected;
+    reflected += total.value;
+    reflected2 += total.value * total.value;
+    error2 += total.error * total.error / runs;
   }
-  double measured = 0;
   for (std::size_t d = 0; d < 7; ++d) {
     double variance = 0, mean = 0, pairs = 0;
     for (std::size_t k = d * 48; k < (d + 1) * 48; ++k) {
@@ -170,41 +173,70 @@ TEST(PhotonSimulation, NoiseIsThatOfRepeatedRuns) {
       variance += (squares[k] - sum[k] * sum[k] / runs) / (runs - 1);
       mean += sum[k] / runs, pairs += 1;
     }
-    measured += variance;
-    // One law for all offsets: roughly right for each, though pairs at (0, 0) have no second
-    // direction and twice the variance.
+    found.measured += variance;
     const double ratio = variance / (pairs * floor2 + gain * mean);
-    EXPECT_GT(ratio, 0.6) << d;
-    EXPECT_LT(ratio, d == 0 ? 2.2 : 1.4) << d;
+    if (d == 0) continue;  // one direction alone: twice the variance of others at equal R
+    found.largest = std::max(found.largest, ratio);
+    found.smallest = std::min(found.smallest, ratio);
   }
-  EXPECT_NEAR(measured, own, 0.1 * own);
   const double variance = (reflected2 - reflected * reflected / runs) / (runs - 1);
-  const double p = chi_square_tail(variance / error2 * (runs - 1), runs - 1);
-  EXPECT_GT(p, 1e-3);
-  EXPECT_LT(p, 1 - 1e-3);
+  found.reflected_p = chi_square_tail(variance / error2 * (runs - 1), runs - 1);
+  return found;
 }
 
-// Importance gives the means that analogue tracing gives.
+TEST(PhotonSimulation, NoiseIsThatOfRepeatedRuns) {
+  for (const PhotonTracking tracking : {PhotonTracking::analogue, PhotonTracking::importance}) {
+    const Repeated found = repeat(tracking);
+    EXPECT_NEAR(found.measured, found.own, 0.1 * found.own);
+    EXPECT_GT(found.smallest, 0.7);
+    EXPECT_LT(found.largest, 1.4);
+    EXPECT_GT(found.reflected_p, 5e-4);
+    EXPECT_LT(found.reflected_p, 1 - 5e-4);
+  }
+  // Pairs of a block share their noise, so that there is less to average over, and its variance is
+  // not linear in R.
+  const Repeated found = repeat(PhotonTracking::shared);
+  EXPECT_NEAR(found.measured, found.own, 0.25 * found.own);
+  EXPECT_GT(found.smallest, 0.5);
+  EXPECT_LT(found.largest, 2);
+}
+
+TEST(PhotonSimulation, DirectionsDifferByNoiseAlone) {
+  const Sample sample = small_sample();
+  PhotonSimulation simulation(sample, {.photons = 4096, .tracking = PhotonTracking::importance});
+  while (!simulation.is_done()) simulation.advance();
+  const PhotonReport report = make_report(simulation);
+  EXPECT_GT(report.asymmetry, 0);
+  EXPECT_NEAR(report.asymmetry, report.expected_asymmetry, 0.2 * report.expected_asymmetry);
+}
+
+// However work is spent, pairs have the means of analogue tracing.
 TEST(PhotonSimulation, TrackingDoesNotChangeTheTable) {
   const Sample sample = small_sample();
-  double chi = 0, values = 0;
-  PhotonSimulation a(sample, {.photons = 6000}),
-      b(sample, {.photons = 6000, .tracking = PhotonTracking::analogue, .photon_seed = 9});
-  for (PhotonSimulation* simulation : {&a, &b})
-    while (!simulation->is_done()) simulation->advance();
-  const PhotonSums &s = a.progress().sums[0], &t = b.progress().sums[0];
-  const double n = static_cast<double>(a.rounds(0)), m = static_cast<double>(b.rounds(0));
-  for (std::size_t i = 0; i < s.forward.size(); ++i) {
-    const double x = (s.forward[i] + s.backward[i]) / 2 / n,
-                 y = (t.forward[i] + t.backward[i]) / 2 / m;
-    if (x == 0 || y == 0) continue;
-    const double variance =
-        (s.squares[i] / n - x * x) / (n - 1) + (t.squares[i] / m - y * y) / (m - 1);
-    chi += (x - y) * (x - y) / variance;
-    values += 1;
+  const auto trace = [&](PhotonTracking tracking, std::uint64_t seed) {
+    return run(sample, {.photons = 6000, .tracking = tracking, .photon_seed = seed}).sums[0];
+  };
+  constexpr double n = 16;
+  const PhotonSums plain = trace(PhotonTracking::analogue, 9);
+  for (const PhotonTracking tracking : {PhotonTracking::importance, PhotonTracking::shared}) {
+    const PhotonSums other = trace(tracking, 1);
+    double chi = 0, values = 0;
+    for (std::size_t i = 0; i < plain.forward.size(); ++i) {
+      const auto mean = [&](const PhotonSums& sums) {
+        return (static_cast<double>(sums.forward[i]) + sums.backward[i]) / 2 / n;
+      };
+      const auto variance = [&](const PhotonSums& sums) {
+        return (sums.squares[i] / n - mean(sums) * mean(sums)) / (n - 1);
+      };
+      if (mean(plain) == 0) continue;
+      const double difference = mean(plain) - mean(other);
+      chi += difference * difference / (variance(plain) + variance(other));
+      values += 1;
+    }
+    EXPECT_EQ(values, 268);
+    // A t variable of about 30 degrees has a variance of 30/28.
+    EXPECT_GT(chi_square_tail(chi / (30.0 / 28), values), least_p(2));
   }
-  EXPECT_GT(values, 200);
-  EXPECT_GT(chi_square_tail(chi / (1 + 2.0 / 15), values), 1e-3);  // t of 2 x 15 degrees: 1 + 2/28
 }
 
 TEST(PhotonSimulation, UntilStopsAtTheError) {

@@ -1,15 +1,21 @@
 #include "acquire/photon_trace.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "base/check.h"
 #include "base/random.h"
+#include "math/fast_math.h"
 
 namespace parian {
 namespace {
 
 constexpr int flights_per_look = 8;
 constexpr float most_parts = 16;  // into which one photon is split at once
+// Flights that are kept of each path. What is longer counts for its own pixel alone; length does
+// not depend on where a path is, so nothing is lost or counted twice.
+constexpr std::size_t trail_rows = 256;
 
 // A part of a photon that waits for a lane.
 struct WaitingPhoton {
@@ -26,12 +32,19 @@ void copy_lane(const PhotonLanes& from, std::size_t i, PhotonLanes& to, std::siz
   to.a[j] = from.a[i], to.b[j] = from.b[i], to.c[j] = from.c[i], to.counter[j] = from.counter[i];
   to.state[j] = from.state[i], to.pixel[j] = from.pixel[i];
   to.entry_x[j] = from.entry_x[i], to.entry_y[j] = from.entry_y[i];
+  to.shift_x[j] = from.shift_x[i], to.shift_y[j] = from.shift_y[i];
   to.target[j] = from.target[i], to.attention[j] = from.attention[i];
 }
 
 class Tracer {
  public:
-  Tracer(const PhotonTask& task, float* tally) : task_(task), tally_(tally) {}
+  Tracer(const PhotonTask& task, float* tally) : task_(task), tally_(tally) {
+    if (!task.shared) return;
+    PARIAN_CHECK_LE(task.columns, static_cast<int>(shared_side));
+    PARIAN_CHECK_LE(task.rows, static_cast<int>(shared_side));
+    PARIAN_CHECK(!task.channel->log_events.empty());
+    trail_.assign(trail_rows * PhotonLanes::count, -1);
+  }
 
   PhotonTotals run() {
     for (active_ = 0; active_ < PhotonLanes::count && fill(active_);) ++active_;
@@ -48,8 +61,15 @@ class Tracer {
  private:
   void fly() {
     const PhotonMedium& medium = task_.channel->medium;
-    const auto kernel = medium.g == nullptr ? fly_isotropic : fly_anisotropic;
-    kernel(&lanes_, &medium, active_, flights_per_look);
+    if (task_.shared) {
+      const auto kernel = medium.g == nullptr ? record_isotropic : record_anisotropic;
+      kernel(&lanes_, &medium, active_, flights_per_look, trail_.data(), trail_rows,
+             clock_ % trail_rows);
+    } else {
+      const auto kernel = medium.g == nullptr ? fly_isotropic : fly_anisotropic;
+      kernel(&lanes_, &medium, active_, flights_per_look);
+    }
+    clock_ += flights_per_look;
     totals_.flights += static_cast<double>(active_) * flights_per_look;
   }
 
@@ -66,11 +86,20 @@ class Tracer {
     }
     if (state == PhotonState::left_top) add_exit(i);
     if (state == PhotonState::left_bottom) totals_.transmitted += lanes_.weight[i];
+    if (state == PhotonState::absorbed) totals_.absorbed += lanes_.weight[i];
     totals_.absorbed += lanes_.absorbed[i];
     if (fill(i)) return i + 1;
     --active_;
-    if (i != active_) copy_lane(lanes_, active_, lanes_, i);
+    if (i != active_) move_last_to(i);
     return i;
+  }
+
+  void move_last_to(std::size_t i) {
+    copy_lane(lanes_, active_, lanes_, i);
+    launched_at_[i] = launched_at_[active_];
+    if (!task_.shared) return;
+    for (std::size_t row = 0; row < trail_rows; ++row)
+      trail_[row * PhotonLanes::count + i] = trail_[row * PhotonLanes::count + active_];
   }
 
   void add_exit(std::size_t i) {
@@ -83,14 +112,52 @@ class Tracer {
     };
     const int x = pixel_of(std::clamp(lanes_.x[i], -1e6f, 1e6f));
     const int y = pixel_of(std::clamp(lanes_.y[i], -1e6f, 1e6f));
+    const int from_x = static_cast<int>(lanes_.pixel[i]) % volume.width;
+    const int from_y = static_cast<int>(lanes_.pixel[i]) / volume.width;
+    const int dx = x - from_x, dy = y - from_y;
+    if (std::abs(dx) > task_.radius || std::abs(dy) > task_.radius) return;
+    const std::size_t flights = clock_ - launched_at_[i];
+    if (task_.shared && flights <= trail_rows)
+      share(i, flights, dx, dy);
+    else
+      add(from_x, from_y, dx, dy, lanes_.weight[i]);
+  }
+
+  void add(int from_x, int from_y, int dx, int dy, float weight) {
+    const PhotonVolume& volume = *task_.volume;
+    const int x = from_x + dx, y = from_y + dy;
     if (x < 0 || y < 0 || x >= volume.width || y >= volume.height) return;
-    const int entry = static_cast<int>(lanes_.pixel[i]);
-    const int dx = x - entry % volume.width, dy = y - entry / volume.width;
     const int radius = task_.radius, side = 2 * radius + 1;
-    if (std::abs(dx) > radius || std::abs(dy) > radius) return;
-    const std::size_t row = static_cast<std::size_t>(entry) - task_.first_pixel;
+    const auto row =
+        static_cast<std::size_t>((from_y - task_.y0) * task_.columns + from_x - task_.x0);
     const auto slot = static_cast<std::size_t>((dy + radius) * side + dx + radius);
-    tally_[row * static_cast<std::size_t>(side * side) + slot] += static_cast<float>(weight);
+    tally_[row * static_cast<std::size_t>(side * side) + slot] += weight;
+  }
+
+  // The path from all pixels of the task: p(shifted) / sum of p, p the product over its flights of
+  // the probabilities that they end as they did.
+  void share(std::size_t i, std::size_t flights, int dx, int dy) {
+    constexpr std::size_t side = shared_side;
+    const PhotonMedium& medium = task_.channel->medium;
+    std::array<float, side * side> logs{}, parts;
+    const auto pixel = static_cast<std::size_t>(task_.volume->voxels_per_pixel);
+    add_trail(task_.channel->log_events.data(), trail_.data() + i, trail_rows,
+              launched_at_[i] % trail_rows, flights, pixel,
+              static_cast<std::size_t>(medium.nx + 2 * medium.pad), logs.data());
+    const auto columns = static_cast<std::size_t>(task_.columns);
+    const auto rows = static_cast<std::size_t>(task_.rows);
+    float largest = -1e30f, sum = 0;
+    for (std::size_t y = 0; y < rows; ++y)
+      for (std::size_t x = 0; x < columns; ++x) largest = std::max(largest, logs[y * side + x]);
+    for (float& log : logs) log -= largest;
+    exp_array(logs.data(), parts.data(), parts.size());
+    for (std::size_t y = 0; y < rows; ++y)
+      for (std::size_t x = 0; x < columns; ++x) sum += parts[y * side + x];
+    const float scale = lanes_.weight[i] / sum;
+    for (std::size_t y = 0; y < rows; ++y)
+      for (std::size_t x = 0; x < columns; ++x)
+        add(task_.x0 + static_cast<int>(x), task_.y0 + static_cast<int>(y), dx, dy,
+            scale * parts[y * side + x]);
   }
 
   // Russian roulette: with probability p the photon goes on with 1 / p of its weight.
@@ -138,6 +205,7 @@ class Tracer {
     }
     if (next_fresh_ == fresh_count_ && !launch()) return false;
     copy_lane(fresh_, next_fresh_++, lanes_, i);
+    launched_at_[i] = clock_;
     return true;
   }
 
@@ -153,24 +221,26 @@ class Tracer {
 
   // The next photons of the task, pixel by pixel.
   bool launch() {
-    const std::uint64_t all = task_.pixels * task_.photons;
+    const std::uint64_t all = task_.pixels() * task_.photons;
     fresh_count_ =
         static_cast<std::size_t>(std::min<std::uint64_t>(all - launched_, PhotonLanes::count));
     next_fresh_ = 0;
     if (fresh_count_ == 0) return false;
     const PhotonVolume& volume = *task_.volume;
-    const auto corner = [&](std::size_t i) {
-      return static_cast<float>(volume.margin) +
-             static_cast<float>(i) * static_cast<float>(volume.voxels_per_pixel);
+    const auto corner = [&](int pixel) {
+      return static_cast<float>(volume.margin + pixel * volume.voxels_per_pixel);
     };
     for (std::size_t i = 0; i < fresh_count_; ++i) {
       const std::uint64_t k = launched_ + i;
-      const std::size_t pixel = task_.first_pixel + static_cast<std::size_t>(k / task_.photons);
-      const auto width = static_cast<std::size_t>(volume.width);
-      ids_[i] = hash_u64(pixel, task_.first_photon + k % task_.photons);
+      const int place = static_cast<int>(k / task_.photons);
+      const int column = place % task_.columns, row = place / task_.columns;
+      const int x = task_.x0 + column, y = task_.y0 + row, pixel = y * volume.width + x;
+      ids_[i] = hash_u64(static_cast<std::uint64_t>(pixel), task_.first_photon + k % task_.photons);
       fresh_.pixel[i] = static_cast<std::uint32_t>(pixel);
-      fresh_.entry_x[i] = corner(pixel % width);
-      fresh_.entry_y[i] = corner(pixel / width);
+      fresh_.entry_x[i] = corner(x);
+      fresh_.entry_y[i] = corner(y);
+      fresh_.shift_x[i] = column * volume.voxels_per_pixel;
+      fresh_.shift_y[i] = row * volume.voxels_per_pixel;
     }
     launch_photons(&fresh_, ids_, task_.key, static_cast<float>(volume.voxels_per_pixel),
                    task_.channel->medium.eta, task_.entry == PhotonEntry::lambertian, fresh_count_);
@@ -189,6 +259,9 @@ class Tracer {
   std::size_t active_ = 0, next_fresh_ = 0, fresh_count_ = 0;
   std::uint64_t launched_ = 0;
   std::vector<WaitingPhoton> waiting_;
+  std::size_t clock_ = 0;  // flights since the beginning
+  std::array<std::size_t, PhotonLanes::count> launched_at_{};
+  std::vector<std::int32_t> trail_;  // [row][lane], rows in turn
 };
 
 }  // namespace

@@ -35,15 +35,24 @@ struct PhotonTask {
   const PhotonChannel* channel = nullptr;
   PhotonEntry entry = PhotonEntry::lambertian;
   WeightWindow window;
-  int radius = 1;               // pixels
-  std::size_t first_pixel = 0;  // in which light enters, row major
-  std::size_t pixels = 1;
+  // Every path that leaves counts for all pixels of the task, each with the probability that it
+  // would have had from there, shifted by whole pixels, among all of them. That is the expectation
+  // of the tally given the path up to a shift: unbiased, and never of larger variance. Takes a
+  // channel of make_shared_channel, at most 8 x 8 pixels, and a window without splitting.
+  bool shared = false;
+  int radius = 1;      // pixels
+  int x0 = 0, y0 = 0;  // in which light enters: columns x rows pixels from here
+  int columns = 1, rows = 1;
   std::uint64_t key = 0;           // of all random numbers
   std::uint64_t first_photon = 0;  // of every pixel
   std::uint64_t photons = 1;       // per pixel
+
+  std::uint64_t pixels() const {
+    return static_cast<std::uint64_t>(columns) * static_cast<std::uint64_t>(rows);
+  }
 };
 
-// Adds to tally[pixel - first_pixel][dy + radius][dx + radius]. The same bits for the same task.
+// Adds to tally[y - y0][x - x0][dy + radius][dx + radius]. The same bits for the same task.
 PhotonTotals trace_photons(const PhotonTask& task, float* tally);
 
 }  // namespace parian

@@ -186,7 +186,7 @@ std::vector<float> tally_board(const PhotonVolume& volume, PhotonEntry entry, st
   PhotonTask task;
   task.volume = &volume, task.channel = &channel;
   task.entry = entry, task.window = window;
-  task.radius = 3, task.pixels = 16;
+  task.radius = 3, task.columns = task.rows = 4;
   task.key = 17, task.first_photon = first, task.photons = photons;
   std::vector<float> tally(16 * 49);
   trace_photons(task, tally.data());
@@ -248,6 +248,62 @@ TEST(PhotonTrace, TalliesAddUp) {
   EXPECT_EQ(all, tally_board(volume, PhotonEntry::lambertian, 0, 600));
 }
 
+// Where all places are alike, a path is as likely from every pixel of the task: they share all.
+TEST(PhotonTrace, SharedPathsCountAlikeWhereTheMediumIsAlike) {
+  PhotonVolume volume = make_board();
+  volume.sigma_a.assign(volume.voxels(), 0.1f);
+  volume.sigma_s.assign(volume.voxels(), 2.f);
+  const PhotonChannel channel = make_shared_channel(volume, 0);
+  PhotonTask task;
+  task.volume = &volume, task.channel = &channel, task.shared = true;
+  task.radius = 3, task.columns = task.rows = 4;
+  task.key = 17, task.photons = 300;
+  std::vector<float> tally(16 * 49);
+  const PhotonTotals totals = trace_photons(task, tally.data());
+  EXPECT_LT(std::abs(balance(totals)), 1e-6 * totals.launched);
+  for (int a = 1; a < 16; ++a)
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        const int x = a % 4 + dx, y = a / 4 + dy;
+        if (x < 0 || y < 0 || x > 3 || y > 3) continue;
+        // Pixel 5 has all nine neighbours.
+        const double expected = power(tally, 5, 5 + dy * 4 + dx);
+        EXPECT_GT(expected, 0);
+        EXPECT_NEAR(power(tally, a, y * 4 + x), expected, 1e-4 * expected);
+      }
+}
+
+// A wall between two halves: paths are shared within a half and hardly across, whatever the block.
+TEST(PhotonTrace, SharedPathsSeeTheirPlace) {
+  PhotonVolume volume = make_board();
+  for (std::size_t i = 0; i < volume.voxels(); ++i) {
+    const bool left = i % 8 < 4;
+    volume.sigma_a[i] = left ? 0.01f : 2.f;
+    volume.sigma_s[i] = left ? 4.f : 1.f;
+  }
+  const PhotonChannel shared = make_shared_channel(volume, 0);
+  const PhotonChannel plain = make_photon_channel(volume, 0);
+  std::array<std::vector<float>, 2> tallies;
+  for (const bool is_shared : {false, true}) {
+    PhotonTask task;
+    task.volume = &volume, task.channel = is_shared ? &shared : &plain, task.shared = is_shared;
+    task.radius = 3, task.columns = task.rows = 4;
+    task.key = is_shared ? 1 : 2, task.photons = 6000;
+    tallies[is_shared ? 1 : 0].resize(16 * 49);
+    trace_photons(task, tallies[is_shared ? 1 : 0].data());
+  }
+  // Sums over rows by columns of entry and exit; weights <= 1 bound variances by sums.
+  for (int from = 0; from < 4; ++from)
+    for (int to = 0; to < 4; ++to) {
+      std::array<double, 2> sum{};
+      for (int a = from; a < 16; a += 4)
+        for (int b = to; b < 16; b += 4)
+          for (std::size_t k = 0; k < 2; ++k) sum[k] += power(tallies[k], a, b);
+      EXPECT_GT(normal_tail((sum[0] - sum[1]) / std::sqrt(sum[0] + sum[1])), least_p(16))
+          << from << " to " << to << ": " << sum[0] << " " << sum[1];
+    }
+}
+
 // The same light in a grid of equal voxels, in pixels of other sizes, by a plain code in doubles.
 struct PlainPhoton {
   double x, y, z, ux, uy, uz;
@@ -307,7 +363,7 @@ TEST(PhotonTrace, EqualVoxelsAreAHomogeneousMedium) {
   PhotonTask task;
   task.volume = &volume, task.channel = &channel;
   task.entry = PhotonEntry::normal;
-  task.radius = 40, task.first_pixel = 40 * 81 + 40, task.photons = photons, task.key = 3;
+  task.radius = 40, task.x0 = task.y0 = 40, task.photons = photons, task.key = 3;
   std::vector<float> tally(81 * 81);
   trace_photons(task, tally.data());
   const std::vector<double> radii{0.3, 0.6, 1.0, 1.5, 2.0};

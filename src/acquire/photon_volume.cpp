@@ -204,4 +204,45 @@ PhotonChannel make_photon_channel(const PhotonVolume& volume, int channel, int c
   return made;
 }
 
+bool can_share(const PhotonVolume& volume, int channel) {
+  if (volume.g.empty()) return true;
+  const auto begin = volume.g.begin() + static_cast<std::ptrdiff_t>(channel) *
+                                            static_cast<std::ptrdiff_t>(volume.voxels());
+  const auto [low, high] =
+      std::minmax_element(begin, begin + static_cast<std::ptrdiff_t>(volume.voxels()));
+  return *high - *low < 1e-5f;
+}
+
+PhotonChannel make_shared_channel(const PhotonVolume& volume, int channel) {
+  PARIAN_CHECK(can_share(volume, channel));
+  const int side = std::max({volume.nx, volume.ny, volume.nz});
+  PhotonChannel made = make_photon_channel(volume, channel, side);
+  PhotonMedium& m = made.medium;
+  // A little above the largest coefficient, so that collisions are nowhere certain.
+  const float inverse = made.inverse_majorant[0] / 1.05f;
+  made.inverse_majorant.assign(1, inverse);
+  m.inverse_majorant = made.inverse_majorant.data();
+  m.cell_voxels = 64 / (1 / inverse);  // no flight is longer than 17 mean free paths
+  m.cells_x = m.cells_y = m.cells_z = 1;
+  m.pad = static_cast<int>(shared_side) * volume.voxels_per_pixel;
+  const int nx = m.nx + 2 * m.pad, ny = m.ny + 2 * m.pad;
+  const std::size_t count =
+      static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) * static_cast<std::size_t>(m.nz);
+  made.log_events.resize(2 * count);
+  parallel_for(static_cast<std::size_t>(ny) * static_cast<std::size_t>(m.nz), [&](std::size_t row) {
+    const int y =
+        std::clamp(static_cast<int>(row % static_cast<std::size_t>(ny)) - m.pad, 0, m.ny - 1);
+    const int z = static_cast<int>(row / static_cast<std::size_t>(ny));
+    for (int x = 0; x < nx; ++x) {
+      const int inside = std::clamp(x - m.pad, 0, m.nx - 1);
+      const auto voxel = static_cast<std::size_t>((z * m.ny + y) * m.nx + inside);
+      const float sigma_t = made.voxels[2 * voxel], albedo = made.voxels[2 * voxel + 1];
+      const std::size_t i = row * static_cast<std::size_t>(nx) + static_cast<std::size_t>(x);
+      made.log_events[i] = std::log(1 - sigma_t * inverse);
+      made.log_events[count + i] = std::log(std::max(1e-30f, sigma_t * albedo * inverse));
+    }
+  });
+  return made;
+}
+
 }  // namespace parian

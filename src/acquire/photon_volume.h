@@ -43,6 +43,9 @@ struct PhotonChannel {
   std::vector<float> voxels;
   std::vector<float> g;
   std::vector<float> inverse_majorant;
+  // Where paths may be shifted: ln of the probability that a flight ends without a collision, and
+  // with one that scatters, [2][z][y][x] over the padded grid.
+  std::vector<float> log_events;
   PhotonMedium medium;
 
   PhotonChannel() = default;
@@ -53,5 +56,10 @@ struct PhotonChannel {
 // Bounds on sigma_t are kept for cells of `cell_voxels` voxels a side; 0: chosen, so that most
 // flights end within a cell; at least the grid's size: one bound for all.
 PhotonChannel make_photon_channel(const PhotonVolume& volume, int channel, int cell_voxels = 0);
+
+// For paths that are shifted by whole pixels (photon_trace.h): one bound for all, so that a flight
+// has the same distribution everywhere. Needs the same g everywhere.
+PhotonChannel make_shared_channel(const PhotonVolume& volume, int channel);
+bool can_share(const PhotonVolume& volume, int channel);
 
 }  // namespace parian
