@@ -47,11 +47,11 @@ void study_time(Study& study) {
                   "threads. Mean relative standard error of the pairs at {:.2f} mm, the median "
                   "offset; times to 15 % and 5 % are extrapolated.",
                   thread_count(), importance.report.median_offset_mm),
-      tabulate(
-          {{"all photons alike, one direction of each pair", std::sqrt(2.0) * error,
-            analogue.seconds},
-           {"mean of both directions", error, analogue.seconds},
-           {"and importance (the default)", importance.report.median_error, importance.seconds}}));
+      tabulate({{"all photons alike, one direction of each pair", std::sqrt(2.0) * error,
+                 analogue.seconds},
+                {"mean of both directions", error, analogue.seconds},
+                {"and importance", importance.report.median_error, importance.seconds},
+                {"or shared paths (the default)", shared.report.median_error, shared.seconds}}));
 }
 
 namespace {
@@ -89,12 +89,12 @@ void study_similarity(Study& study) {
   write_table(
       study.page("acquisition"), "similarity-time",
       "The same stone with g = 0.8 and the same σ_s′:",
-      tabulate(
-          {{"all photons alike, one direction of each pair", std::sqrt(2.0) * error,
-            analogue.seconds},
-           {"mean of both directions", error, analogue.seconds},
-           {"and importance (the default)", importance.report.median_error, importance.seconds},
-           {"and `--similarity` (biased)", similar.report.median_error, similar.seconds}}));
+      tabulate({{"all photons alike, one direction of each pair", std::sqrt(2.0) * error,
+                 analogue.seconds},
+                {"mean of both directions", error, analogue.seconds},
+                {"and importance", importance.report.median_error, importance.seconds},
+                {"or shared paths (the default)", shared.report.median_error, shared.seconds},
+                {"and `--similarity` (biased)", similar.report.median_error, similar.seconds}}));
   constexpr std::size_t rings = 8;
   const std::vector<double> own = ring_means(*shared.simulation, 0.5, rings);
   const std::vector<double> reduced = ring_means(*similar.simulation, 0.5, rings);
