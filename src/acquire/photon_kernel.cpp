@@ -139,7 +139,8 @@ template <bool anisotropic, Mode mode>
     scattered = turn(d, sample_henyey_greenstein(anisotropy[voxel], u3), u4);
   else
     scattered = turn_isotropic(u3, u4);
-  const float passed_z = at_boundary & !leaves ? -d.z : d.z;
+  const bool is_reflected = at_boundary & !leaves;
+  const float passed_z = is_reflected ? -d.z : d.z;
   const std::uint32_t left = at_top ? 1u : 2u;
   std::uint32_t state = leaves ? left : lanes.state[i];
   if constexpr (mode == Mode::weights) {
@@ -176,7 +177,7 @@ template <bool anisotropic, Mode mode>
     std::int32_t* record = trail;
     if constexpr (mode == Mode::record)
       record += (first + static_cast<std::size_t>(step)) % rows * PhotonLanes::count;
-#pragma GCC ivdep
+    PARIAN_INDEPENDENT
     for (std::size_t i = 0; i < end; ++i)
       fly_lane<anisotropic, mode>(arrays, m, m.voxels, m.inverse_majorant, m.g, per_cell, record,
                                   i);
