@@ -18,55 +18,56 @@ struct Source {
   AlignedVector<float> rows;
   alignas(64) double albedo[shape_lanes];
   alignas(64) double range_mm[shape_lanes];
+  ShapeTails tails;                          // of the rows
+  alignas(64) float log_scale[shape_lanes];  // ln S - ln P
 };
+
+void finish_source(const KnotTable& knots, Source& source) {
+  find_tails(knots, source.rows.data(), source.range_mm, &source.tails);
+  fill_log_scales(source.range_mm, source.albedo, source.log_scale);
+}
 
 // S' = (1 - w) S_d + w S_s at u = r_k / alpha', 1 / alpha' = (1 - w) / alpha_d + w / alpha_s: the
 // knots of the mixture lie between those of both, in units of the range.
-void mix_shapes(const KnotTable& knots, const ShapeBlock& target, const Source& source,
-                double amount, float* rows) {
-  alignas(64) float weight[shape_lanes], target_scale[shape_lanes], source_scale[shape_lanes],
-      target_shift[shape_lanes], source_shift[shape_lanes], a[shape_lanes], b[shape_lanes];
-  for (std::size_t i = 0; i < shape_lanes; ++i) {
-    const double w = amount * static_cast<double>(target.amount[i]);
-    const double inverse = (1 - w) / target.range_mm[i] + w / source.range_mm[i];
-    weight[i] = static_cast<float>(w);
-    target_scale[i] = static_cast<float>(target.range_mm[i] * inverse);
-    source_scale[i] = static_cast<float>(source.range_mm[i] * inverse);
-  }
-  fill_log_scales(target.range_mm, target.albedo, target_shift);
-  fill_log_scales(source.range_mm, source.albedo, source_shift);
-  const ShapeTails target_tails = find_tails(knots, target.rows),
-                   source_tails = find_tails(knots, source.rows.data());
-  const ShapeRows from_target = view_rows(knots, target.rows, target_tails),
-                  from_source = view_rows(knots, source.rows.data(), source_tails);
-  for (std::size_t k = 0; k < knots.radius.size(); ++k) {
-    float* row = rows + k * shape_lanes;
-    sample_shapes(&from_target, knots.radius_float[k], target_scale, a);
-    sample_shapes(&from_source, knots.radius_float[k], source_scale, b);
-    mix_shape_rows(a, target_shift, b, source_shift, weight, row);
-    for (std::size_t i = 0; i < shape_lanes; ++i)
-      if (weight[i] == 1) row[i] = source.rows[k * shape_lanes + i];
-  }
+void mix_block(const KnotTable& knots, const ShapeBlock& target, const Source& source,
+               double amount, float* rows) {
+  const std::size_t n = knots.radius.size();
+  alignas(64) float target_log_scale[shape_lanes];
+  MixScales scales;
+  fill_mix_scales(target.range_mm, source.range_mm, target.amount, amount, &scales);
+  fill_log_scales(target.range_mm, target.albedo, target_log_scale);
+  ShapeTails target_tails;
+  find_tails(knots, target.rows, target.range_mm, &target_tails);
+  float *const a = target.scratch, *const b = a + n * shape_lanes;
+  sample_shapes(view_rows(knots, target.rows, target_tails), scales.first, a);
+  sample_shapes(view_rows(knots, source.rows.data(), source.tails), scales.second, b);
+  mix_shapes(a, target_log_scale, b, source.log_scale, scales.weight, n, rows);
+  for (std::size_t i = 0; i < shape_lanes; ++i)
+    if (scales.weight[i] == 1)
+      for (std::size_t at = i; at < n * shape_lanes; at += shape_lanes) rows[at] = source.rows[at];
 }
 
-// before + amount mask (source - before)
+// before + amount mask (source - before), source(channel, pixel)
 template <typename Get>
 Plane mix_planes(const EditState& state, const Plane& before, const Mask& mask, double amount,
                  const Get& source) {
   Plane mixed(before.size());
-  const std::size_t pixels = state.pixels();
-  parallel_for_blocks(before.size(), block, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const double w = amount * static_cast<double>(mask.weight[i % pixels]);
-      mixed[i] = (1 - w) * before[i] + w * source(i);
-      if (w == 0) mixed[i] = before[i];
+  const std::size_t pixels = state.pixels(), blocks = (pixels + block - 1) / block;
+  parallel_for(blocks * static_cast<std::size_t>(state.channels), [&](std::size_t b) {
+    const std::size_t channel = b / blocks, first = b % blocks * block;
+    const double* from = &before[channel * pixels];
+    double* to = &mixed[channel * pixels];
+    for (std::size_t i = first; i < std::min(first + block, pixels); ++i) {
+      const double w = amount * static_cast<double>(mask.weight[i]);
+      const double sum = (1 - w) * from[i] + w * source(channel, i);
+      to[i] = w == 0 ? from[i] : sum;
     }
   });
   return mixed;
 }
 
-// get_albedo(i), get_range(i): the source's properties for value i; fill(block, own): what the
-// block mixes in, made in `own` where it is not there already.
+// get_albedo(channel, pixel), get_range(...): the source's properties there; fill(block, own): what
+// the block mixes in, made in `own` where it is not there already.
 template <typename GetAlbedo, typename GetRange, typename Fill>
 void blend(const BlendAmounts& amounts, EditState& state, const Mask& mask, EditReport& report,
            const GetAlbedo& get_albedo, const GetRange& get_range, const Fill& fill) {
@@ -84,7 +85,7 @@ void blend(const BlendAmounts& amounts, EditState& state, const Mask& mask, Edit
   reshape(state, mask.weight, [&](const ShapeBlock& target, float* rows) {
     Source own;
     const Source* source = fill(target, own);
-    mix_shapes(knots, target, *source, amounts.shape, rows);
+    mix_block(knots, target, *source, amounts.shape, rows);
   });
 }
 
@@ -144,13 +145,13 @@ void apply(const BlendAmounts& amounts, const EditState& source,
   PARIAN_CHECK(source_pixel.empty() || source_pixel.size() == state.pixels());
   PARIAN_CHECK(source.channels == state.channels || source.channels == 1);
   PARIAN_CHECK(has_same_spacing(source.knots_mm, state.knots_mm));
-  const std::size_t pixels = state.pixels(), n = state.knots_mm.size();
+  const std::size_t n = state.knots_mm.size();
   const auto channel_of = [&](std::size_t channel) { return source.channels == 1 ? 0 : channel; };
-  const auto index = [&](std::size_t i) {
-    return channel_of(i / pixels) * source.pixels() +
-           (source_pixel.empty() ? 0 : source_pixel[i % pixels]);
+  const auto index = [&](std::size_t channel, std::size_t pixel) {
+    return channel_of(channel) * source.pixels() + (source_pixel.empty() ? 0 : source_pixel[pixel]);
   };
   const Plane albedo = albedo_plane(source), range = range_plane(source);
+  const KnotTable knots = make_knot_table(state.knots_mm);
   const auto load = [&](std::size_t channel, const auto& pixel_at, Source& out) {
     out.rows = AlignedVector<float>(n * shape_lanes);
     for (std::size_t i = 0; i < shape_lanes; ++i) {
@@ -161,6 +162,7 @@ void apply(const BlendAmounts& amounts, const EditState& source,
         out.rows[k * shape_lanes + i] =
             source.shapes->log_profile[(channel * n + k) * source.pixels() + pixel];
     }
+    finish_source(knots, out);
   };
   std::vector<Source> same;  // of each channel, where all pixels take from one
   if (source_pixel.empty()) {
@@ -181,8 +183,9 @@ void apply(const BlendAmounts& amounts, const EditState& source,
     return &own;
   };
   blend(
-      amounts, state, mask, report, [&](std::size_t i) { return albedo[index(i)]; },
-      [&](std::size_t i) { return range[index(i)]; }, fill);
+      amounts, state, mask, report,
+      [&](std::size_t channel, std::size_t pixel) { return albedo[index(channel, pixel)]; },
+      [&](std::size_t channel, std::size_t pixel) { return range[index(channel, pixel)]; }, fill);
 }
 
 }  // namespace parian

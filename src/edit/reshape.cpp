@@ -12,7 +12,9 @@ namespace parian {
 namespace {
 
 struct Buffers {
-  AlignedVector<float> rows, changed;
+  explicit Buffers(std::size_t knots)
+      : rows(knots * shape_lanes), changed(knots * shape_lanes), scratch(2 * knots * shape_lanes) {}
+  AlignedVector<float> rows, changed, scratch;
   alignas(64) float amount[shape_lanes];
   alignas(64) double albedo[shape_lanes];
   alignas(64) double range_mm[shape_lanes];
@@ -29,6 +31,18 @@ PARIAN_HOT void select_rows(const float* PARIAN_RESTRICT amount,
                             const float* PARIAN_RESTRICT before, float* PARIAN_RESTRICT out,
                             std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) out[i] = amount[i] > 0 ? changed[i] : before[i];
+}
+
+// Where amount > 0: value = now, factor *= before / now.
+PARIAN_HOT void move_value(const float* PARIAN_RESTRICT amount,
+                           const double* PARIAN_RESTRICT before, const double* PARIAN_RESTRICT now,
+                           double* PARIAN_RESTRICT value, double* PARIAN_RESTRICT factor,
+                           std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double ratio = before[i] / now[i];
+    value[i] = amount[i] > 0 ? now[i] : value[i];
+    factor[i] *= amount[i] > 0 ? ratio : 1;
+  }
 }
 
 PARIAN_HOT void lower_row(const float* PARIAN_RESTRICT above, float* PARIAN_RESTRICT row) {
@@ -74,25 +88,22 @@ struct Reshape {
     block.amount = buffers.amount;
     block.albedo = buffers.albedo;
     block.range_mm = buffers.range_mm;
+    block.scratch = buffers.scratch.data();
   }
 
   void store(const ShapeBlock& block, Buffers& buffers) const {
     const std::size_t pixels = before.pixels(), n = knots.radius.size();
     const auto channel = static_cast<std::size_t>(block.channel);
+    const std::size_t at = channel * pixels + block.first;
     for (std::size_t k = 0; k < n; ++k)
-      select_rows(block.amount, &buffers.changed[k * shape_lanes], &buffers.rows[k * shape_lanes],
+      select_rows(block.amount, &buffers.changed[k * shape_lanes], block.rows + k * shape_lanes,
                   &shapes.log_profile[(channel * n + k) * pixels + block.first], block.count);
     measure_shapes(knots, buffers.changed.data(), shape_lanes, block.count, buffers.albedo,
                    buffers.range_mm);
-    for (std::size_t i = 0; i < block.count; ++i) {
-      if (!(block.amount[i] > 0)) continue;
-      const std::size_t at = channel * pixels + block.first + i;
-      shapes.albedo[at] = buffers.albedo[i];
-      shapes.range_mm[at] = buffers.range_mm[i];
-      // What was measured before stands in `before`, what is now in the buffers.
-      gain[at] *= before.shapes->albedo[at] / buffers.albedo[i];
-      dilation[at] *= before.shapes->range_mm[at] / buffers.range_mm[i];
-    }
+    move_value(block.amount, &before.shapes->albedo[at], buffers.albedo, &shapes.albedo[at],
+               &gain[at], block.count);
+    move_value(block.amount, &before.shapes->range_mm[at], buffers.range_mm, &shapes.range_mm[at],
+               &dilation[at], block.count);
   }
 
   void run(ShapeBlock block, Buffers& buffers) const {
@@ -123,9 +134,7 @@ void reshape(EditState& state, const std::vector<float>& amount, const ShapeFunc
                      *shapes, *gain,  *dilation};
   const std::size_t blocks = (state.pixels() + shape_lanes - 1) / shape_lanes;
   const auto run = [&](std::size_t begin, std::size_t end) {
-    Buffers buffers;
-    buffers.rows = AlignedVector<float>(state.knots_mm.size() * shape_lanes);
-    buffers.changed = AlignedVector<float>(state.knots_mm.size() * shape_lanes);
+    Buffers buffers(state.knots_mm.size());
     for (std::size_t b = begin; b < end; ++b) {
       const std::size_t first = b % blocks * shape_lanes;
       work.run({.channel = static_cast<int>(b / blocks),

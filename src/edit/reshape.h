@@ -16,9 +16,11 @@ struct ShapeBlock {
   const float* amount = nullptr;     // [lane]
   const double* albedo = nullptr;    // [lane] of the knots alone
   const double* range_mm = nullptr;  // [lane]
+  float* scratch = nullptr;          // room for two blocks of rows
 };
 
-// Writes the new rows of a block, in any scale of P and of r: albedo and range are set afterwards.
+// Writes the new rows of a block, [knot][lane], in any scale of P and of r: albedo and range are
+// set afterwards.
 using ShapeFunction = std::function<void(const ShapeBlock& block, float* rows)>;
 
 // Where amount[pixel] > 0 the profiles get the new rows, and gain and dilation such that albedo and

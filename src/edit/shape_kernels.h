@@ -22,8 +22,9 @@ struct ShapeCrossings {
   alignas(64) float top[shape_lanes];      // largest ln P
   alignas(64) float segment[shape_lanes];  // its index, whole; -1: none so far
 };
-// segment = index where ln P falls through the level from `before` to `row`.
-void note_crossing(const float* before, const float* row, float index, ShapeCrossings* crossings);
+// Of all lanes of the rows; as sum_segments.
+void find_crossings(const float* rows, std::size_t stride, std::size_t knots,
+                    ShapeCrossings* crossings);
 
 // The tail beyond the last knot, from ln P there and at the knot before.
 void finish_shapes(const float* before, const float* end, double last_radius, double last_length,
@@ -32,13 +33,11 @@ void finish_shapes(const float* before, const float* end, double last_radius, do
 // Rows of profiles on common knots: value[k * shape_lanes + i].
 struct ShapeRows {
   const float* value;
-  const float* radius;
-  const int* segment_of_bin;
-  const float* tail_slope;  // [lane], of ln P beyond the last knot
-  const float* support;     // [lane], mm: ends there (log_of_zero)
-  float bins_per_mm;
-  float knots_per_mm;  // 0: not uniform
-  int knots;
+  const float* radius;          // [knot]
+  const float* inverse_length;  // [segment]
+  const float* tail_slope;      // [lane], of ln P beyond the last knot
+  const float* support;         // [lane], mm: ends there (log_of_zero)
+  std::size_t knots;
 };
 inline constexpr float log_of_zero = -1e4f;
 
@@ -47,22 +46,33 @@ struct ShapeTails {
   alignas(64) float slope[shape_lanes];
   alignas(64) float support[shape_lanes];
 };
-ShapeTails find_tails(const KnotTable& knots, const float* rows);
-// From the largest ln P, that before the last knot and that at it.
-void finish_tails(const float* top, const float* before, const float* end, float last_radius,
-                  float last_length, ShapeTails* tails);
-void raise_row(const float* row, float* top);
+// range_mm as measure_shapes finds it.
+void find_tails(const KnotTable& knots, const float* rows, const double* range_mm,
+                ShapeTails* tails);
+// From ln P before the last knot and at it.
+void finish_tails(const float* before, const float* end, const double* range_mm, double last_radius,
+                  float inverse_length, ShapeTails* tails);
 // ln(alpha^2 / C) of 2 pi C and alpha: what turns ln P into ln S.
 void fill_log_scales(const double* range, const double* albedo, float* out);
 // Refers to all three.
 ShapeRows view_rows(const KnotTable& knots, const float* rows, const ShapeTails& tails);
 
-// out[i] = ln P_i at radius * scale[i].
-void sample_shapes(const ShapeRows* rows, float radius, const float* scale, float* out);
+// out[k * shape_lanes + i] = ln P_i at radius[k] * scale[i].
+void sample_shapes(const ShapeRows& rows, const float* scale, float* out);
 
-// out = ln((1 - w) e^(a + a_shift) + w e^(b + b_shift)), lane by lane.
-void mix_shape_rows(const float* a, const float* a_shift, const float* b, const float* b_shift,
-                    const float* w, float* out);
+// Where both sides of a mixture are sampled: at r / alpha' of their own ranges, with
+// 1 / alpha' = (1 - w) / alpha_1 + w / alpha_2 and w = amount part.
+struct MixScales {
+  alignas(64) float weight[shape_lanes];
+  alignas(64) float first[shape_lanes];
+  alignas(64) float second[shape_lanes];
+};
+void fill_mix_scales(const double* range_1, const double* range_2, const float* part, double amount,
+                     MixScales* scales);
+
+// Rows of ln((1 - w) e^(a + a_shift) + w e^(b + b_shift)), lane by lane.
+void mix_shapes(const float* a, const float* a_shift, const float* b, const float* b_shift,
+                const float* w, std::size_t knots, float* out);
 
 // S' = scale(u) S0 (S / S0)^exponent + offset(u), per lane interpolated by `amount`.
 struct ShapeCurves {

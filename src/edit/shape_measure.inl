@@ -1,94 +1,119 @@
-// sum_segments and finish_shapes for one instruction set, in namespace PARIAN_MEASURE_SPACE:
-// vectors keep their running values in registers, which loops over arrays do not.
-#include <bit>
-#include <cstdint>
-#include <cstring>
-#include <numbers>
-
-#include "edit/shape_kernels.h"
-
-namespace parian::PARIAN_MEASURE_SPACE {
+// sum_segments, find_crossings and finish_shapes for one instruction set, on shape_lanes.inl.
+namespace parian::PARIAN_VECTOR_SPACE {
 namespace {
 
-using Lanes = double __attribute__((vector_size(32)));
-using WholeLanes = std::int64_t __attribute__((vector_size(32)));
-constexpr std::size_t lanes = 4;
-
 // e^x = 2^k e^f with |f| <= ln 2 / 2 and the polynomial of degree 10 that is nearest to e^f there:
-// 2e-16 and rounding. For |x| < 700; beyond as at the end.
-[[gnu::always_inline]] inline Lanes exp_lanes(Lanes x) {
+// 2e-16 and rounding. |x| <= 700.
+template <typename Vector, typename Whole>
+[[gnu::always_inline]] inline Vector exp_vector(Vector x) {
   constexpr double log2_e = 1.4426950408889634, ln2 = 0.6931471805599453;
   constexpr double round = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to an integer
-  Lanes clamped = x < -700.0 ? Lanes{} - 700.0 : x;
-  clamped = clamped > 700.0 ? Lanes{} + 700.0 : clamped;
-  const Lanes shifted = clamped * log2_e + round;
-  const Lanes f = clamped - (shifted - round) * ln2;
-  const Lanes f2 = f * f, f4 = f2 * f2;  // by halves, so that little waits for the one before
-  const Lanes low =
+  const Vector shifted = x * log2_e + round;
+  const Vector f = x - (shifted - round) * ln2;
+  const Vector f2 = f * f, f4 = f2 * f2;  // by halves, so that little waits for the one before
+  const Vector low =
       (1.0 + f * 1.0000000000000067) + f2 * (0.50000000000000056 + f * 0.16666666666554405);
-  const Lanes middle = (0.041666666666573143 + f * 0.0083333333856677825) +
-                       f2 * (0.0013888888932488598 + f * 0.00019841170270440068);
-  const Lanes high =
+  const Vector middle = (0.041666666666573143 + f * 0.0083333333856677825) +
+                        f2 * (0.0013888888932488598 + f * 0.00019841170270440068);
+  const Vector high =
       (2.4801504346997687e-5 + f * 2.7640180796209851e-6) + f2 * 2.7626357241447223e-7;
-  const Lanes p = low + f4 * (middle + f4 * high);
-  const WholeLanes power = std::bit_cast<WholeLanes>(shifted) << 52;
-  return std::bit_cast<Lanes>(std::bit_cast<WholeLanes>(p) + power);
+  const Vector p = low + f4 * (middle + f4 * high);
+  const Whole power = __builtin_bit_cast(Whole, shifted) << 52;
+  return __builtin_bit_cast(Vector, __builtin_bit_cast(Whole, p) + power);
+}
+
+[[gnu::always_inline]] inline Lanes clamp_lanes(Lanes x) {
+  return least_of(largest_of(x, fill_lanes(-700)), fill_lanes(700));
+}
+
+// p[i] = e^y[i], |y| cut at 700.
+[[gnu::always_inline]] inline void exp_block(const Lanes* y, Lanes* p) {
+  for (std::size_t i = 0; i < shape_lanes / lanes; i += group) {
+    Lanes clamped[group];
+    for (std::size_t j = 0; j < group; ++j) clamped[j] = clamp_lanes(y[i + j]);
+    LaneGroup x;
+    std::memcpy(&x, clamped, sizeof x);
+    x = exp_vector<LaneGroup, WholeLaneGroup>(x);
+    std::memcpy(p + i, &x, sizeof x);
+  }
 }
 
 // int exp(y) r dr over the segment of length h about radius m where y rises by beta and P = e^y
-// from p0 to p1: h (m I0 + h I1), I0 = int_{-1/2}^{1/2} P(t) dt = (p1 - p0) / beta and
+// from p0 to p1: h m I0 + h^2 I1, I0 = int_{-1/2}^{1/2} P(t) dt = (p1 - p0) / beta and
 // I1 = int t P dt = ((p0 + p1) / 2 - I0) / beta; near beta = 0 their series, 6e-14 or better.
-[[gnu::always_inline]] inline Lanes integrate_lanes(Lanes m, Lanes h, Lanes beta, Lanes p0,
+constexpr double least_square = 0.0025;  // of beta, for the closed form
+template <bool is_steep>
+[[gnu::always_inline]] inline Lanes integrate_lanes(Lanes hm, Lanes hh, Lanes beta, Lanes p0,
                                                     Lanes p1) {
-  const Lanes z = beta * beta;
-  const WholeLanes small = z < 0.0025;
-  const Lanes inverse = 1.0 / (small ? Lanes{} + 1.0 : beta);
-  const Lanes middle = 0.5 * (p0 + p1);
-  const Lanes series0 = middle * (1.0 + z * (-1.0 / 12 + z * (1.0 / 120 + z * (-17.0 / 20160))));
-  const Lanes series1 = middle * beta * (1.0 / 12 + z * (-1.0 / 120 + z * (17.0 / 20160)));
-  const Lanes i0 = small ? series0 : (p1 - p0) * inverse;
-  const Lanes i1 = small ? series1 : (middle - i0) * inverse;
-  return h * (m * i0 + h * i1);
+  const Lanes middle = 0.5 * (p0 + p1), inverse = 1.0 / beta;
+  Lanes i0 = (p1 - p0) * inverse;
+  Lanes i1 = (middle - i0) * inverse;
+  if constexpr (!is_steep) {
+    const Lanes z = beta * beta;
+    const WholeLanes small = z < least_square;
+    const Lanes series0 = 1.0 + z * (-1.0 / 12 + z * (1.0 / 120 + z * (-17.0 / 20160)));
+    const Lanes series1 = 1.0 / 12 + z * (-1.0 / 120 + z * (17.0 / 20160));
+    i0 = small ? middle * series0 : i0;
+    i1 = small ? middle * beta * series1 : i1;
+  }
+  return hm * i0 + hh * i1;
 }
 
-[[gnu::always_inline]] inline Lanes load_lanes(const float* from) {
-  return Lanes{static_cast<double>(from[0]), static_cast<double>(from[1]),
-               static_cast<double>(from[2]), static_cast<double>(from[3])};
-}
-
-[[gnu::always_inline]] inline Lanes load_lanes(const double* from) {
-  Lanes row;
-  std::memcpy(&row, from, sizeof row);
-  return row;
+// Adds the segments of all lanes that rise by `rise`.
+constexpr std::size_t vectors = shape_lanes / lanes;
+template <bool is_steep>
+[[gnu::always_inline]] inline void add_segments(Lanes hm, Lanes hh, const Lanes* rise,
+                                                const Lanes* p0, const Lanes* p1, Lanes* sum) {
+  for (std::size_t i = 0; i < vectors; ++i)
+    sum[i] += integrate_lanes<is_steep>(hm, hh, rise[i], p0[i], p1[i]);
 }
 
 }  // namespace
 
 void sum_segments(const float* rows, std::size_t stride, const double* radius, std::size_t knots,
                   ShapeSums* sums) {
-  // The exponentials of some knots first, then their segments: a chain through both is longer than
-  // processors look ahead.
-  constexpr std::size_t some = 32;
-  for (std::size_t i = 0; i < shape_lanes; i += lanes) {
-    Lanes y[some + 1], p[some + 1], sum{};
-    y[0] = load_lanes(rows + i);
-    p[0] = exp_lanes(y[0]);
-    for (std::size_t first = 1; first < knots; first += some) {
-      const std::size_t count = first + some < knots ? some : knots - first;
-      for (std::size_t k = 1; k <= count; ++k) {
-        y[k] = load_lanes(rows + (first + k - 1) * stride + i);
-        p[k] = exp_lanes(y[k]);
-      }
-      for (std::size_t k = 1; k <= count; ++k) {
-        const double a = radius[first + k - 2], b = radius[first + k - 1];
-        sum += integrate_lanes(Lanes{} + 0.5 * (a + b), Lanes{} + (b - a), y[k] - y[k - 1],
-                               p[k - 1], p[k]);
-      }
-      y[0] = y[count];
-      p[0] = p[count];
+  Lanes y[vectors], rise[vectors], values[2][vectors], sum[vectors]{};
+  for (std::size_t i = 0; i < vectors; ++i) y[i] = load_lanes(rows + i * lanes);
+  exp_block(y, values[0]);
+  for (std::size_t k = 1; k < knots; ++k) {
+    const Lanes* before = values[(k - 1) % 2];
+    Lanes* here = values[k % 2];
+    Lanes least = fill_lanes(least_square);
+    for (std::size_t i = 0; i < vectors; ++i) {
+      const Lanes row = load_lanes(rows + k * stride + i * lanes);
+      rise[i] = row - y[i];
+      least = least_of(least, rise[i] * rise[i]);
+      y[i] = row;
     }
-    std::memcpy(&sums->value[i], &p[0], sizeof p[0]);
-    std::memcpy(&sums->integral[i], &sum, sizeof sum);
+    exp_block(y, here);
+    const double h = radius[k] - radius[k - 1], m = 0.5 * (radius[k - 1] + radius[k]);
+    if (any_below(least, least_square))
+      add_segments<false>(fill_lanes(h * m), fill_lanes(h * h), rise, before, here, sum);
+    else
+      add_segments<true>(fill_lanes(h * m), fill_lanes(h * h), rise, before, here, sum);
+  }
+  std::memcpy(sums->value, values[(knots - 1) % 2], sizeof values[0]);
+  std::memcpy(sums->integral, sum, sizeof sum);
+}
+
+void find_crossings(const float* rows, std::size_t stride, std::size_t knots,
+                    ShapeCrossings* crossings) {
+  for (std::size_t i = 0; i < shape_lanes; i += float_lanes) {
+    FloatLanes top = load_floats(rows + i);
+    for (std::size_t k = 1; k < knots; ++k) {
+      const FloatLanes row = load_floats(rows + k * stride + i);
+      top = row > top ? row : top;
+    }
+    const FloatLanes level = top - static_cast<float>(log_of_support);
+    FloatLanes before = load_floats(rows + i), segment = fill_floats(-1);
+    for (std::size_t k = 1; k < knots; ++k) {
+      const FloatLanes row = load_floats(rows + k * stride + i);
+      const IntLanes crosses = (before > level) & (row <= level);
+      segment = crosses ? fill_floats(static_cast<float>(k - 1)) : segment;
+      before = row;
+    }
+    std::memcpy(crossings->top + i, &top, sizeof top);
+    std::memcpy(crossings->segment + i, &segment, sizeof segment);
   }
 }
 
@@ -99,18 +124,19 @@ void finish_shapes(const float* before, const float* end, double last_radius, do
   for (std::size_t i = 0; i < shape_lanes; i += lanes) {
     const Lanes y = load_lanes(end + i);
     const Lanes last_slope = (y - load_lanes(before + i)) * inverse_length;
-    const Lanes slope = last_slope < least ? last_slope : Lanes{} + least;
+    const Lanes slope = least_of(last_slope, fill_lanes(least));
     const Lanes level = load_lanes(crossings->top + i) - log_of_support;
     Lanes tail = (level - y) / slope;
-    tail = tail < limit ? tail : Lanes{} + limit;
+    tail = least_of(tail, fill_lanes(limit));
     tail = y > level ? tail : Lanes{};
     const Lanes beta = slope * tail, p0 = load_lanes(sums->value + i);
     const Lanes more =
-        integrate_lanes(last_radius + 0.5 * tail, tail, beta, p0, p0 * exp_lanes(beta));
+        integrate_lanes<false>(tail * (last_radius + 0.5 * tail), tail * tail, beta, p0,
+                               p0 * exp_vector<Lanes, WholeLanes>(clamp_lanes(beta)));
     const Lanes total = 2 * std::numbers::pi * (load_lanes(sums->integral + i) + more);
     std::memcpy(&sums->integral[i], &total, sizeof total);
     std::memcpy(&sums->tail[i], &tail, sizeof tail);
   }
 }
 
-}  // namespace parian::PARIAN_MEASURE_SPACE
+}  // namespace parian::PARIAN_VECTOR_SPACE

@@ -12,51 +12,26 @@ KnotTable make_knot_table(const std::vector<double>& knots_mm) {
   KnotTable table;
   table.radius = knots_mm;
   table.radius_float.assign(knots_mm.begin(), knots_mm.end());
-  double shortest = knots_mm.back();
   for (std::size_t k = 1; k < knots_mm.size(); ++k)
-    shortest = std::min(shortest, knots_mm[k] - knots_mm[k - 1]);
-  double longest = 0;
-  for (std::size_t k = 1; k < knots_mm.size(); ++k)
-    longest = std::max(longest, knots_mm[k] - knots_mm[k - 1]);
-  if (longest - shortest < 1e-7 * longest)
-    table.knots_per_mm =
-        static_cast<float>(static_cast<double>(knots_mm.size() - 1) / knots_mm.back());
-  // At most one knot lies inside a bin; beyond a few thousand bins lookups walk a little.
-  const int bins =
-      static_cast<int>(std::clamp(std::ceil(1.01 * knots_mm.back() / shortest), 1.0, 8192.0));
-  table.bins_per_mm = static_cast<float>(bins / knots_mm.back());
-  table.segment_of_bin.reserve(static_cast<std::size_t>(bins) + 2);
-  int segment = 0;
-  const int last = static_cast<int>(knots_mm.size()) - 2;
-  for (int b = 0; b < bins + 2; ++b) {
-    const float start = static_cast<float>(b) / table.bins_per_mm;
-    while (segment < last && table.radius_float[static_cast<std::size_t>(segment) + 1] <= start)
-      ++segment;
-    table.segment_of_bin.push_back(segment);
-  }
+    table.inverse_length.push_back(static_cast<float>(1 / (knots_mm[k] - knots_mm[k - 1])));
   return table;
 }
 
-ShapeTails find_tails(const KnotTable& knots, const float* rows) {
-  ShapeTails tails;
+void find_tails(const KnotTable& knots, const float* rows, const double* range_mm,
+                ShapeTails* tails) {
   const std::size_t n = knots.radius.size() - 1;
-  alignas(64) float top[shape_lanes];
-  std::copy_n(rows, shape_lanes, top);
-  for (std::size_t k = 1; k <= n; ++k) raise_row(rows + k * shape_lanes, top);
-  finish_tails(top, rows + (n - 1) * shape_lanes, rows + n * shape_lanes, knots.radius_float[n],
-               knots.radius_float[n] - knots.radius_float[n - 1], &tails);
-  return tails;
+  const float* end = rows + n * shape_lanes;
+  finish_tails(end - shape_lanes, end, range_mm, knots.radius[n], knots.inverse_length[n - 1],
+               tails);
 }
 
 ShapeRows view_rows(const KnotTable& knots, const float* rows, const ShapeTails& tails) {
   return {.value = rows,
           .radius = knots.radius_float.data(),
-          .segment_of_bin = knots.segment_of_bin.data(),
+          .inverse_length = knots.inverse_length.data(),
           .tail_slope = tails.slope,
           .support = tails.support,
-          .bins_per_mm = knots.bins_per_mm,
-          .knots_per_mm = knots.knots_per_mm,
-          .knots = static_cast<int>(knots.radius.size())};
+          .knots = knots.radius.size()};
 }
 
 namespace {
@@ -104,13 +79,9 @@ void measure_shapes(const KnotTable& knots, const float* log_value, std::size_t 
   const std::size_t n = knots.radius.size();
   const BlockRows rows(log_value, stride, count, n);
   ShapeCrossings crossings;
-  std::copy_n(rows[0], shape_lanes, crossings.top);
-  std::fill_n(crossings.segment, shape_lanes, -1.0f);
-  for (std::size_t k = 1; k < n; ++k) raise_row(rows[k], crossings.top);
+  find_crossings(rows[0], rows.stride(), n, &crossings);
   ShapeSums sums;
   sum_segments(rows[0], rows.stride(), knots.radius.data(), n, &sums);
-  for (std::size_t k = 1; k < n; ++k)
-    note_crossing(rows[k - 1], rows[k], static_cast<float>(k - 1), &crossings);
   finish_shapes(rows[n - 2], rows[n - 1], knots.radius[n - 1],
                 knots.radius[n - 1] - knots.radius[n - 2], &crossings, &sums);
   std::copy_n(sums.integral, count, albedo);

@@ -22,11 +22,9 @@ struct ShapePlanes {
 
 // What the kernels need of the knots.
 struct KnotTable {
-  std::vector<double> radius;       // as in the map, increasing from 0
-  std::vector<float> radius_float;  // the same
-  std::vector<int> segment_of_bin;  // of bins of equal width up to the last knot
-  float bins_per_mm = 0;
-  float knots_per_mm = 0;  // of knots at equal distances; 0: they are not
+  std::vector<double> radius;         // as in the map, increasing from 0
+  std::vector<float> radius_float;    // the same
+  std::vector<float> inverse_length;  // of segments
 };
 KnotTable make_knot_table(const std::vector<double>& knots_mm);
 

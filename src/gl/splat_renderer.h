@@ -41,8 +41,7 @@ struct SplatParams {
 };
 ParamList describe(SplatParams& params);
 // For an editor while something moves: few samples, shadow maps, one ray a pixel. Errors are about
-// four times those of the defaults; a view of 640 x 480 suits a processor without a graphics
-// device.
+// four times those of the defaults; without a graphics device a view of 640 x 480 suits.
 SplatParams make_interactive_params();
 
 struct SplatReport {

@@ -101,6 +101,9 @@ Image make_environment_image(Image image, const std::string& name, std::size_t* 
   if (image.width < 1 || image.height < 1 || (image.channels != 1 && image.channels != 3))
     throw Error({name, "", "an image of 1 or 3 channels",
                  fmt::format("{} x {} pixels of {}", image.width, image.height, image.channels)});
+  if (image.width != 2 * image.height)
+    throw Error({name, "", "a latitude-longitude image, twice as wide as high",
+                 fmt::format("{} x {} pixels", image.width, image.height)});
   Image rgb = make_image(image.width, image.height, 3);
   std::size_t below = 0;
   for (int y = 0; y < image.height; ++y)

@@ -14,8 +14,8 @@ inline constexpr double max_radiance = 1e12;
 
 // An image from outside as EnvironmentLight wants it: three channels. Values below 0, which lossy
 // compression leaves, count as 0; `negative` gets their number. Throws Error with `name` as its
-// file for two or more than three channels and for values that are not finite or above
-// max_radiance.
+// file for two or more than three channels, for a width other than twice the height, and for values
+// that are not finite or above max_radiance.
 Image make_environment_image(Image image, const std::string& name, std::size_t* negative = nullptr);
 
 Rgb eval_environment(const EnvironmentLight& light, Vec3 direction);

@@ -46,6 +46,9 @@ SceneLoaders loaders() {
                 if (path == "nan.exr") at(image, 3, 1, 2) = std::numeric_limits<float>::quiet_NaN();
                 if (path == "negative.exr") at(image, 1, 0, 0) = -0.25f;
                 if (path == "alpha.png") image = make_image(2, 1, 2);
+                if (path == "square.exr") image = make_image(3, 3, 3, 0.5f);
+                if (path == "infinite.exr")
+                  at(image, 0, 1, 0) = std::numeric_limits<float>::infinity();
                 return image;
               },
           .load_material =
@@ -206,6 +209,20 @@ TEST(ReadScene, HomogeneousMaterials) {
       "or 'sigma_s', found none of them");
   EXPECT_EQ(error(object({{"sigma_a", 1}, {"sigma_s", 1}, {"g", 1}})),
             "s.json: /material/g: expected a number in [-0.99, 0.99], found the number 1");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto coefficients = [&](double sigma_a, double sigma_s, double g) {
+    return error(object({{"sigma_a", sigma_a}, {"sigma_s", sigma_s}, {"g", g}}));
+  };
+  EXPECT_EQ(coefficients(-0.1, 1, 0),
+            "s.json: /material/sigma_a: expected a number in [0, 1000], found the number -0.1");
+  EXPECT_EQ(coefficients(nan, 1, 0),
+            "s.json: /material/sigma_a: expected a number in [0, 1000], found the number nan");
+  EXPECT_EQ(coefficients(0.1, 0, 0),
+            "s.json: /material/sigma_s: expected a number in [1e-06, 1000], found the number 0");
+  EXPECT_EQ(coefficients(0.1, nan, 0),
+            "s.json: /material/sigma_s: expected a number in [1e-06, 1000], found the number nan");
+  EXPECT_EQ(coefficients(0.1, 1, -1.5),
+            "s.json: /material/g: expected a number in [-0.99, 0.99], found the number -1.5");
   EXPECT_EQ(error(object({{"sigma_a", 1}, {"sigma_s", 1}, {"sigma_s_prime", 1}})),
             "s.json: /material/sigma_s: expected only one of the keys 'sigma_s_prime' or "
             "'sigma_s', found another");
@@ -373,6 +390,12 @@ TEST(ReadScene, BadLights) {
   EXPECT_EQ(environment("file", "nan.exr"),
             "nan.exr: pixel (3, 1), channel 2: expected a radiance of at most 1000000000000, "
             "found nan");
+  EXPECT_EQ(environment("file", "infinite.exr"),
+            "infinite.exr: pixel (0, 1), channel 0: expected a radiance of at most 1000000000000, "
+            "found inf");
+  EXPECT_EQ(environment("file", "square.exr"),
+            "square.exr: expected a latitude-longitude image, twice as wide as high, found 3 x 3 "
+            "pixels");
   EXPECT_EQ(environment("file", "alpha.png"),
             "alpha.png: expected an image of 1 or 3 channels, found 2 x 1 pixels of 2");
   EXPECT_EQ(error(object({{"type", "environment"}})),

@@ -48,6 +48,23 @@ class Cancel(program.ProgramTest):
         self.assertEqual(self.read_bytes("blend.kbm"), b"old")
         self.assertEqual(self.names(), ["blend.kbm", "sample.json", "table.h5"])
 
+    def test_precompute_is_taken_up_again(self):
+        """Lights that are done are kept; the file is what an uninterrupted run writes."""
+        self.write_json("scene.json", {
+            "mesh": {"shape": "sphere", "size_mm": 20},
+            "material": {"sigma_a": 0.02, "sigma_s": 1, "single_scattering": True},
+            "lights": [{"type": "directional", "direction": [1, 1, 1]},
+                       {"type": "environment", "sky": "clear"}]})
+        command = ("precompute", "scene.json", "--samples", "3000", "--resolution", "256",
+                   "--directions", "64", "--rays", "16", "-o")
+        self.interrupt(lambda process: "t.h5.partial" in self.names(), *command, "t.h5", "--threads", "1")
+        self.assertNotIn("t.h5", self.names())
+        self.assertIn("[\"light 1 (directional)\"]", self.succeed("info", "t.h5.partial"))
+        self.succeed(*command, "t.h5")
+        self.assertNotIn("t.h5.partial", self.names())
+        self.succeed(*command, "whole.h5")
+        self.assertEqual(self.read_bytes("t.h5"), self.read_bytes("whole.h5"))
+
 
 if __name__ == "__main__":
     program.main()

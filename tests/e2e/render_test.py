@@ -122,7 +122,7 @@ class Render(program.ProgramTest):
             self.assertAlmostEqual(a / b, 1, delta=0.03)
 
     def test_splatting_what_it_cannot(self):
-        self.write_json("scene.json", scene(layers=[{"material": {"named": "Ketchup"}}]))
+        self.write_json("scene.json", scene(layers=[{"material": {"named": "marble"}}]))
         self.fail_with(2, "layers: expected a scene without layers for splatting, found 1",
                        "render", "scene.json", "-o", "a.png", "--method", "splat", *QUICK)
         self.write_json("scene.json", scene(camera={"width": 10000, "height": 10}))

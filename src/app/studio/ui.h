@@ -8,6 +8,7 @@
 #include "app/studio/probe.h"
 #include "app/studio/studio.h"
 #include "app/studio/window.h"
+#include "gl/screen.h"
 
 namespace parian {
 

@@ -2,10 +2,8 @@
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
-#include <epoxy/gl.h>
 #include <fmt/format.h>
 #include <imgui.h>
-// After epoxy, which declares OpenGL.
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
@@ -16,6 +14,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "gl/screen.h"
 
 namespace parian {
 namespace {
@@ -156,9 +155,7 @@ void Window::draw_frame() {
   ImGui::Render();
   int width = 0, height = 0;
   glfwGetFramebufferSize(impl_->window, &width, &height);
-  glViewport(0, 0, width, height);
-  glClearColor(0, 0, 0, 1);
-  glClear(GL_COLOR_BUFFER_BIT);
+  clear_screen(width, height);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
@@ -190,40 +187,7 @@ double Window::scale() const {
 
 std::vector<std::uint8_t> Window::read_frame(int& width, int& height) const {
   glfwGetFramebufferSize(impl_->window, &width, &height);
-  const std::size_t row = 4 * static_cast<std::size_t>(width);
-  std::vector<std::uint8_t> upside_down(row * static_cast<std::size_t>(height)),
-      rgba(upside_down.size());
-  glReadBuffer(GL_BACK);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, upside_down.data());
-  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
-    std::copy_n(upside_down.data() + (static_cast<std::size_t>(height) - 1 - y) * row, row,
-                rgba.data() + y * row);
-  return rgba;
-}
-
-ScreenTexture::~ScreenTexture() {
-  if (name_ != 0) glDeleteTextures(1, &name_);
-}
-
-void ScreenTexture::upload(const std::vector<std::uint8_t>& rgba, int width, int height,
-                           bool smooth) {
-  if (name_ == 0) glGenTextures(1, &name_);
-  width_ = width;
-  height_ = height;
-  glBindTexture(GL_TEXTURE_2D, name_);
-  const GLint filter = smooth ? GL_LINEAR : GL_NEAREST;
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
-               rgba.data());
-}
-
-void* ScreenTexture::id() const {
-  return reinterpret_cast<void*>(static_cast<std::uintptr_t>(name_));
+  return read_screen(width, height);
 }
 
 }  // namespace parian

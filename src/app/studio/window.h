@@ -1,4 +1,4 @@
-// A window with an OpenGL context and Dear ImGui in it, and pictures for it.
+// A window with an OpenGL context and Dear ImGui in it.
 #pragma once
 
 #include <cstdint>
@@ -45,25 +45,6 @@ class Window {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
-};
-
-// Pixels on the graphics device that ImGui shows. Needs the window.
-class ScreenTexture {
- public:
-  ScreenTexture() = default;
-  ~ScreenTexture();
-  ScreenTexture(const ScreenTexture&) = delete;
-  ScreenTexture& operator=(const ScreenTexture&) = delete;
-
-  // `smooth`: linear between pixels.
-  void upload(const std::vector<std::uint8_t>& rgba, int width, int height, bool smooth);
-  void* id() const;  // an ImTextureID
-  int width() const { return width_; }
-  int height() const { return height_; }
-
- private:
-  unsigned name_ = 0;
-  int width_ = 0, height_ = 0;
 };
 
 }  // namespace parian

@@ -1,5 +1,6 @@
 #include "io/hdf5/transport_file.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "io/hdf5/testing_internal.h"
@@ -113,7 +114,11 @@ TEST_F(TransportFiles, DamageIsFound) {
   const std::string bytes = read_file(path, 1u << 20u);
   for (const std::size_t size : {bytes.size() / 2, bytes.size() - 300}) {
     write_text(path, std::string_view(bytes).substr(0, size));
-    EXPECT_NE(message(), "no error") << size;
+    const std::string expected = fmt::format(
+        "expected a whole HDF5 file, found a truncated or damaged one (truncated file: eof = {}, "
+        "sblock->base_addr = 0, stored_eof = {})",
+        size, bytes.size());
+    EXPECT_EQ(message(), expected);
   }
   file.transport.lights[0].single.half[8 * 5] = 0x7e00;  // NaN
   save_transport(path, file);
