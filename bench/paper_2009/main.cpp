@@ -1,5 +1,5 @@
-// bench_paper_2009 [all|table1|segments|line|points|contrast] [-o FOLDER] [--docs DOCS]: prints the
-// tables of docs/fit.md and draws its pictures.
+// bench_paper_2009 [all|table1|segments|line|points|contrast|noise] [-o FOLDER] [--docs DOCS]:
+// prints the tables of docs/fit.md and draws its pictures.
 #include <cstdio>
 #include <exception>
 #include <iterator>
@@ -15,16 +15,14 @@ struct NamedStudy {
   void (*run)(Study&);
 };
 // Those that need the chessboard, the largest table, follow each other.
-constexpr NamedStudy studies[] = {{"segments", study_segments},
-                                  {"contrast", study_contrast},
-                                  {"line", study_line},
-                                  {"points", study_points},
-                                  {"table1", study_table1}};
+constexpr NamedStudy studies[] = {{"segments", study_segments}, {"contrast", study_contrast},
+                                  {"noise", study_noise},       {"line", study_line},
+                                  {"points", study_points},     {"table1", study_table1}};
 
 int show_usage() {
   std::fputs(
-      "usage: bench_paper_2009 [all|table1|segments|line|points|contrast] [-o FOLDER]\n"
-      "                        [--docs DOCS]\n"
+      "usage: bench_paper_2009 [all|table1|segments|line|points|contrast|noise]\n"
+      "                        [-o FOLDER] [--docs DOCS]\n"
       "\n"
       "The evaluation of the SubEdit paper on simulated samples: Markdown tables to the standard\n"
       "output and to FOLDER/*.md, pictures to FOLDER/fit-*.png (default: out/bench/paper_2009).\n"

@@ -96,5 +96,34 @@ TEST(Program, UnknownShaderIsAnError) {
   EXPECT_GT(shader_names().size(), 5u);
 }
 
+TEST(CheckGl, LostDevicesAndFullOnesAreNamed) {
+  const Error lost = make_gl_error(0x0507, "splats");  // GL_CONTEXT_LOST
+  EXPECT_EQ(lost.kind, ErrorKind::resource);
+  EXPECT_STREQ(lost.what(),
+               "splats: expected a graphics device, found none: it was lost or reset; start again");
+  const Error full = make_gl_error(0x0505, "picture");  // GL_OUT_OF_MEMORY
+  EXPECT_EQ(full.kind, ErrorKind::resource);
+  EXPECT_STREQ(full.what(),
+               "picture: expected memory of the graphics device (a smaller picture needs less), "
+               "found none left");
+  const Error wrong = make_gl_error(0x0502, "picture");  // GL_INVALID_OPERATION
+  EXPECT_EQ(wrong.kind, ErrorKind::contract);
+  EXPECT_STREQ(wrong.what(), "picture: expected no OpenGL error, found 0x502");
+}
+
+TEST(CheckGl, WhatOpenGlRecordedIsThrownOnce) {
+  const OffscreenContext context;
+  const Framebuffer none;
+  bind(none);
+  clear_color(100);  // of a target that is not there
+  try {
+    check_gl("the test");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind, ErrorKind::contract);
+  }
+  EXPECT_NO_THROW(check_gl("the test"));
+}
+
 }  // namespace
 }  // namespace parian

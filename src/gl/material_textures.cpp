@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "base/parallel.h"
+#include "transport/near_term.h"
 
 namespace parian {
 namespace {
@@ -19,11 +20,6 @@ float interpolate(const std::vector<float>& knots, const float* half_log, float 
   k = std::clamp<std::size_t>(k, 1, knots.size() - 1) - 1;
   const float t = (r - knots[k]) / (knots[k + 1] - knots[k]);
   return half_log[3 * k] + t * (half_log[3 * k + 3] - half_log[3 * k]);
-}
-
-double near_weight(double r, double near_mm) {
-  const double u = std::max(0.0, 1 - (r / near_mm) * (r / near_mm));
-  return u * u;
 }
 
 // I = int P w dA and int (P w)^2 dA over a plane, w the near term's weight: midpoints in r^2.
@@ -46,6 +42,9 @@ NearValues integrate_near(const std::vector<float>& knots, const float* half_log
   return values;
 }
 
+// Counts of samples are cut here.
+constexpr float most_samples = 1e6f;
+
 // Rows of the field at all pixels, turned into the planes that the textures hold.
 struct Planes {
   std::vector<float> support, half_log, integral, count;
@@ -60,12 +59,17 @@ void fill_pixel(const ProfileField& field, const std::vector<float>& nodes, doub
   std::vector<float> row(field.row());
   std::array<float, 3> support{};
   field.eval(x, y, row.data(), support.data());
+  if (support[0] <= 0) {
+    std::fill_n(&planes.count[3 * pixel], 3, most_samples);
+    return;
+  }
   for (std::size_t c = 0; c < 3; ++c) {
     planes.support[3 * pixel + c] = support[c];
     const NearValues near = integrate_near(field.knots_mm, &row[c], support[c], near_mm);
     planes.integral[3 * pixel + c] = static_cast<float>(near.integral);
     planes.count[3 * pixel + c] = static_cast<float>(
-        std::min(1e6, near.integral * near.integral / std::max(1e-300, area_mm2 * near.square)));
+        std::min(static_cast<double>(most_samples),
+                 near.integral * near.integral / std::max(1e-300, area_mm2 * near.square)));
     if (!with_rows) continue;
     for (std::size_t j = 0; j < nodes.size(); ++j)
       planes.half_log[3 * (j * pixels + pixel) + c] =
@@ -143,11 +147,12 @@ void add_blend(const ProfileBlend& blend, MaterialTextures& textures) {
   textures.base = make_texture(TexelFormat::rgb32f, static_cast<int>(textures.nodes.size()) + 2,
                                static_cast<int>(blend.bases()), "base profiles",
                                make_base_rows(blend, textures.nodes).data());
-  std::vector<float> weight(per_pixel * pixels), of_pixel(per_pixel), gain(3 * pixels, 0.0f);
+  std::vector<float> weight(per_pixel * pixels), of_pixel(per_pixel), gain;
+  if (!blend.gain.empty()) gain.resize(3 * pixels);
   for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
     get_weights(blend, pixel, of_pixel.data());
     for (std::size_t k = 0; k < per_pixel; ++k) weight[k * pixels + pixel] = of_pixel[k];
-    if (blend.gain.empty()) continue;
+    if (gain.empty()) continue;
     for (std::size_t c = 0; c < 3; ++c)
       gain[3 * pixel + c] =
           0.5f *
@@ -158,6 +163,8 @@ void add_blend(const ProfileBlend& blend, MaterialTextures& textures) {
                                       blend.per_pixel, "blend indices", blend.index.data());
   textures.weight = make_texture_array(TexelFormat::r32f, blend.width, blend.height,
                                        blend.per_pixel, "blend weights", weight.data());
+  if (gain.empty()) return;
+  textures.defines.emplace_back("GAIN");
   textures.gain =
       make_texture(TexelFormat::rgb32f, blend.width, blend.height, "blend gain", gain.data());
 }
@@ -180,7 +187,7 @@ std::size_t MaterialTextures::bytes() const {
   return sum;
 }
 
-MaterialTextures make_material_textures(const Material& material, const ProfileField& field,
+MaterialTextures make_material_textures(const ProfileBlend* blend, const ProfileField& field,
                                         const RadialLevels& levels, double area_mm2,
                                         double near_mm) {
   MaterialTextures textures;
@@ -192,7 +199,7 @@ MaterialTextures make_material_textures(const Material& material, const ProfileF
   textures.nodes = levels.nodes;
   textures.reference = make_reference(field);
   textures.defines.push_back(fmt::format("NODES {}", levels.nodes.size()));
-  const auto* blend = std::get_if<ProfileBlend>(&material);
+  if (field.width == 1 && field.height == 1) textures.defines.emplace_back("UNIFORM");
   if (blend != nullptr && !blend->dilation.empty()) blend = nullptr;
   const Planes planes =
       make_planes(field, levels.nodes, area_mm2, near_mm, /*with_rows=*/blend == nullptr);
@@ -224,7 +231,7 @@ int bind_material(const Program& program, const MaterialTextures& material, int 
   bind_texture(program, "base_rows", unit++, material.base);
   bind_texture(program, "blend_index", unit++, material.index);
   bind_texture(program, "blend_weight", unit++, material.weight);
-  bind_texture(program, "blend_gain", unit++, material.gain);
+  if (material.gain.handle.get() != 0) bind_texture(program, "blend_gain", unit++, material.gain);
   return unit;
 }
 

@@ -36,8 +36,9 @@ struct MaterialTextures {
 
   std::size_t bytes() const;
 };
-// Dilated blends and dipoles are taken as maps. `area_mm2` of a sample sets the near term.
-MaterialTextures make_material_textures(const Material& material, const ProfileField& field,
+// Of the field, or of the blend that it is of, unless that is dilated. `area_mm2` of a sample sets
+// the near term. Pixels of no support are left out.
+MaterialTextures make_material_textures(const ProfileBlend* blend, const ProfileField& field,
                                         const RadialLevels& levels, double area_mm2,
                                         double near_mm);
 // Everything material.glsl needs, from texture unit `unit` on; returns the next free unit.

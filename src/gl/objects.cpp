@@ -334,6 +334,18 @@ void draw_squares(int count) {
   glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
 }
 
+void draw_points(int count) {
+  const GlHandle<destroy_vertex_array> none = bind_no_vertices();
+  if (epoxy_is_desktop_gl()) glEnable(GL_PROGRAM_POINT_SIZE);
+  glDrawArrays(GL_POINTS, 0, count);
+}
+
+float largest_point_size() {
+  std::array<float, 2> range{};
+  glGetFloatv(GL_ALIASED_POINT_SIZE_RANGE, range.data());
+  return range[1];
+}
+
 void draw_screen() {
   glDisable(GL_DEPTH_TEST);
   draw_triangle();
@@ -354,14 +366,20 @@ void set_additive_blending(bool enabled) {
   glBlendFunc(GL_ONE, GL_ONE);
 }
 
+Error make_gl_error(std::uint32_t error, const char* where) {
+  if (error == GL_CONTEXT_LOST)
+    return Error({{}, where, "a graphics device", "none: it was lost or reset; start again"},
+                 ErrorKind::resource);
+  if (error == GL_OUT_OF_MEMORY)
+    return Error(
+        {{}, where, "memory of the graphics device (a smaller picture needs less)", "none left"},
+        ErrorKind::resource);
+  return Error({{}, where, "no OpenGL error", fmt::format("{:#x}", error)}, ErrorKind::contract);
+}
+
 void check_gl(const char* where) {
   const GLenum error = glGetError();
-  if (error == GL_NO_ERROR) return;
-  if (error == GL_CONTEXT_LOST)
-    throw Error({{}, where, "a graphics device", "none: it was lost or reset; start again"},
-                ErrorKind::resource);
-  throw Error({{}, where, "no OpenGL error", fmt::format("{:#x}", error)},
-              error == GL_OUT_OF_MEMORY ? ErrorKind::resource : ErrorKind::contract);
+  if (error != GL_NO_ERROR) throw make_gl_error(error, where);
 }
 
 void finish_gl() {

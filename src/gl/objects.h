@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "image/image.h"
 #include "math/vec.h"
 
@@ -129,11 +130,16 @@ void draw_screen_on_surface();
 void draw_triangle();
 // Four corners in a strip, `count` times.
 void draw_squares(int count);
+// `count` points of the size that the vertex shader says; at most largest_point_size() pixels.
+void draw_points(int count);
+float largest_point_size();
 void set_additive_blending(bool enabled);
 
 // Throws Error naming `where` when OpenGL has recorded an error: contract, or resource where memory
 // ran out or the device was lost.
 void check_gl(const char* where);
+// What that throws for an OpenGL error number.
+Error make_gl_error(std::uint32_t error, const char* where);
 // Waits until everything is drawn: for timing.
 void finish_gl();
 

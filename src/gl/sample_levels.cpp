@@ -54,10 +54,19 @@ double RadialLevels::level_radius(int level) const {
   return std::ldexp(radius_mm, level);
 }
 
-RadialLevels make_radial_levels(double radius_mm, double max_support_mm) {
+double RadialLevels::first_mm(int level) const {
+  return level == 0 ? 0 : level_radius(level) * std::exp2(-0.5 - 0.5 * overlap);
+}
+
+double RadialLevels::last_mm(int level) const {
+  return level_radius(level) * (level + 1 == count ? 2 : std::exp2(0.5 + 0.5 * overlap));
+}
+
+RadialLevels make_radial_levels(double radius_mm, double overlap, double max_support_mm) {
   RadialLevels levels;
   levels.radius_mm = radius_mm;
-  while (levels.level_radius(levels.count - 1) < max_support_mm) ++levels.count;
+  levels.overlap = overlap;
+  while (levels.last_mm(levels.count - 1) < max_support_mm) ++levels.count;
   levels.nodes = {0, static_cast<float>(radius_mm / 4)};
   for (int i = 0; i < 2 * levels.count + 3; ++i)
     levels.nodes.push_back(static_cast<float>(radius_mm * std::exp2(0.5 * i - 1)));
@@ -65,9 +74,12 @@ RadialLevels make_radial_levels(double radius_mm, double max_support_mm) {
 }
 
 double level_weight(const RadialLevels& levels, int level, double r_mm) {
+  if (level + 1 == levels.count && r_mm >= levels.last_mm(level)) return 0;
   const double u = std::log2(std::max(r_mm, 1e-30) / levels.level_radius(level));
-  if (u <= 0) return level == 0 ? 1 : u <= -1 ? 0 : smooth_step(1 + u);
-  return u >= 1 ? 0 : smooth_step(1 - u);
+  const double rise = (u + 0.5) / levels.overlap + 0.5, fall = 0.5 - (u - 0.5) / levels.overlap;
+  const double below = level == 0 ? 1 : smooth_step(std::clamp(rise, 0.0, 1.0));
+  const double above = level + 1 == levels.count ? 1 : smooth_step(std::clamp(fall, 0.0, 1.0));
+  return below * above;
 }
 
 std::array<int, 5> level_nodes(int level) {

@@ -25,19 +25,24 @@ std::vector<std::uint32_t> order_by_groups(const std::vector<SurfacePoint>& poin
 // Emitters of level l: ceil(samples / 4^l).
 std::size_t level_size(std::size_t samples, int level);
 
-// Radii of the levels. Level l weighs distances around radius_mm 2^l, zero outside an octave on
-// either side; level 0 takes everything below, too.
+// Radii of the levels. Level l weighs distances around radius_mm 2^l; it takes over from the level
+// before at inner(l) and gives way to the next at outer(l), sqrt 2 away, each within `overlap`
+// octaves. Level 0 takes everything below, the last everything beyond.
 struct RadialLevels {
   int count = 1;
   double radius_mm = 1;  // of level 0
+  double overlap = 1;    // at most 1
   // Radii at which profiles are taken: 0, 1/4, 1/2, 1 / sqrt 2, 1, ... times radius_mm.
   std::vector<float> nodes;
 
   double level_radius(int level) const;
+  // Between which a level's weight is not 0; the last one's end is where nodes end.
+  double first_mm(int level) const;
+  double last_mm(int level) const;
 };
 // As many levels as it takes to reach max_support_mm.
-RadialLevels make_radial_levels(double radius_mm, double max_support_mm);
-// Part of the kernel that a level takes at distance r: they sum to 1 up to the last level's radius.
+RadialLevels make_radial_levels(double radius_mm, double overlap, double max_support_mm);
+// Part of the kernel that a level takes at distance r: they sum to 1 up to last_mm of the last one.
 double level_weight(const RadialLevels& levels, int level, double r_mm);
 // Indices of the five nodes over its range.
 std::array<int, 5> level_nodes(int level);

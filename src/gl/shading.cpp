@@ -71,11 +71,11 @@ LampProgram make_lamp_program(const std::vector<std::string_view>& fragment) {
 ShadingPrograms make_shading_programs() {
   ShadingPrograms programs;
   programs.shade = make_program({"screen_vertex.glsl"}, {"fresnel.glsl", "shade_fragment.glsl"});
-  programs.reflection = make_lamp_program(
-      {"fresnel.glsl", "reflector.glsl", "lamp.glsl", "lamp_reflection_fragment.glsl"});
+  programs.reflection = make_lamp_program({"fresnel.glsl", "octahedral.glsl", "reflector.glsl",
+                                           "lamp.glsl", "lamp_reflection_fragment.glsl"});
   programs.sky_reflection =
-      make_program({"screen_vertex.glsl"},
-                   {"fresnel.glsl", "reflector.glsl", "sky.glsl", "sky_reflection_fragment.glsl"});
+      make_program({"screen_vertex.glsl"}, {"fresnel.glsl", "octahedral.glsl", "reflector.glsl",
+                                            "sky.glsl", "sky_reflection_fragment.glsl"});
   programs.sky_background = make_program(
       {"screen_vertex.glsl"}, {"camera.glsl", "sky.glsl", "sky_background_fragment.glsl"});
   return programs;

@@ -78,9 +78,12 @@ Sources make_sources(const std::vector<SurfacePoint>& samples, const std::vector
   return sources;
 }
 
-void bake_profiles(Sources& sources, const MaterialTextures& material) {
-  const Program program = make_program({"screen_vertex.glsl"},
-                                       {"material.glsl", "rows_fragment.glsl"}, material.defines);
+Program make_rows_program(const MaterialTextures& material) {
+  return make_program({"screen_vertex.glsl"}, {"material.glsl", "rows_fragment.glsl"},
+                      material.defines);
+}
+
+void bake_profiles(Sources& sources, const Program& program, const MaterialTextures& material) {
   const SourceLevel& level = sources.levels.front();
   const Framebuffer target = make_framebuffer({{&level.rows}}, "profiles of samples");
   bind(target);
@@ -98,18 +101,20 @@ void set_flux(Sources& sources, const std::vector<Rgb>& flux) {
   update_texture(sources.flux, pack(flux.size(), [&](std::size_t i) { return flux[i]; }).data());
 }
 
-void group_sources(Sources& sources) {
+SourcePrograms make_source_programs() {
+  const auto make = [](std::string_view fragment, const std::vector<std::string>& defines) {
+    return make_program({"screen_vertex.glsl"}, {"sources.glsl", fragment}, defines);
+  };
+  return {make("group_fragment.glsl", {"SINGLE"}), make("group_fragment.glsl", {}),
+          make("centre_fragment.glsl", {"SINGLE"}), make("centre_fragment.glsl", {})};
+}
+
+void group_sources(Sources& sources, const SourcePrograms& programs) {
   set_additive_blending(false);
-  for (std::size_t l = 1; l < sources.levels.size(); ++l) {
-    const std::vector<std::string> defines =
-        l == 1 ? std::vector<std::string>{"SINGLE"} : std::vector<std::string>{};
-    const Program sum =
-        make_program({"screen_vertex.glsl"}, {"sources.glsl", "group_fragment.glsl"}, defines);
-    const Program centre =
-        make_program({"screen_vertex.glsl"}, {"sources.glsl", "centre_fragment.glsl"}, defines);
-    group_level(sources, sources.levels[l - 1], sources.levels[l], static_cast<int>(l), sum,
-                centre);
-  }
+  for (std::size_t l = 1; l < sources.levels.size(); ++l)
+    group_level(sources, sources.levels[l - 1], sources.levels[l], static_cast<int>(l),
+                l == 1 ? programs.sum_samples : programs.sum_groups,
+                l == 1 ? programs.centre_samples : programs.centre_groups);
   check_gl("groups of samples");
 }
 

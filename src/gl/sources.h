@@ -21,14 +21,21 @@ struct Sources {
   std::vector<SourceLevel> levels;
   Texture places, normals, flux;  // of the samples
 };
+struct SourcePrograms {
+  Program sum_samples, sum_groups, centre_samples, centre_groups;
+};
+SourcePrograms make_source_programs();
+// Of the material's kind.
+Program make_rows_program(const MaterialTextures& material);
+
 // Samples in their groups' order with their places in the material (pixels).
 Sources make_sources(const std::vector<SurfacePoint>& samples, const std::vector<Vec2>& places,
                      double area_mm2, const RadialLevels& radial);
 // After a change of the material: the samples' profiles.
-void bake_profiles(Sources& sources, const MaterialTextures& material);
+void bake_profiles(Sources& sources, const Program& rows, const MaterialTextures& material);
 // After a change of either: flux in W of each sample, and the groups' moments and places.
 void set_flux(Sources& sources, const std::vector<Rgb>& flux);
-void group_sources(Sources& sources);
+void group_sources(Sources& sources, const SourcePrograms& programs);
 // Sum over a level of its sources' flux, read back.
 Rgb total_flux(const Sources& sources, int level);
 

@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+
+#include "transport/near_term.h"
 
 namespace parian {
 namespace {
@@ -36,21 +39,19 @@ ViewLevel make_view_level(int width, int height, int block, bool is_single, Spla
     return make_texture_array(texels, width, height, level.layers, "camera pyramid");
   };
   level.positions = make(TexelFormat::rgba32f);
-  level.normals = make(TexelFormat::rgba16f);
   level.sums = make(format.sums);
-  level.moments = make(format.sums);
   if (is_single) {
     level.near = make(format.sums);
     if (format.with_mean) level.mean = make(format.sums);
   }
   for (int layer = 0; layer < level.layers; ++layer) {
     level.depth.push_back(make_texture(TexelFormat::depth32f, width, height, "camera pyramid"));
-    level.represent.push_back(make_framebuffer({{&level.positions, layer}, {&level.normals, layer}},
-                                               "camera pyramid", {&level.depth.back()}));
+    level.represent.push_back(
+        make_framebuffer({{&level.positions, layer}}, "camera pyramid", {&level.depth.back()}));
     level.tiles.push_back(make_texture(TexelFormat::r32f, blocks_of(width, tile),
                                        blocks_of(height, tile), "camera pyramid"));
     level.tile.push_back(make_framebuffer({{&level.tiles.back()}}, "camera pyramid"));
-    std::vector<Attachment> targets{{&level.sums, layer}, {&level.moments, layer}};
+    std::vector<Attachment> targets{{&level.sums, layer}};
     if (is_single) {
       targets.push_back({&level.near, layer});
       if (format.with_mean) targets.push_back({&level.mean, layer});
@@ -91,28 +92,88 @@ void represent(const ViewPyramid& pyramid, const ViewLevel& level, const SplatPr
   }
 }
 
+// The largest picture of a sphere of this radius around a point of the mesh, over the picture's
+// height: at the nearest depth, at a corner of the view, where it is stretched most.
+double largest_splat(const SplatCamera& camera, double radius) {
+  const double depth = static_cast<double>(camera.near_mm);
+  if (depth <= 1.1 * radius) return std::numeric_limits<double>::infinity();
+  const double x = camera.frame.half_width, y = camera.frame.half_height;
+  const double stretch = 1 + x * x + y * y;
+  return 1.1 * stretch * radius / (std::sqrt(depth * depth - radius * radius) * y);
+}
+
+// int A^2 w dA over a plane, w the near term's weight, and the mean radius there.
+struct NearReference {
+  double integral[3] = {0, 0, 0};
+  double mean_mm = 0;
+};
+NearReference integrate_near(const ReferenceProfile& reference, double near_mm) {
+  constexpr int rings = 256;
+  NearReference result;
+  const double area = std::numbers::pi * near_mm * near_mm / rings;
+  double moment = 0, sum = 0;
+  for (int i = 0; i < rings; ++i) {
+    const double r = near_mm * std::sqrt((i + 0.5) / rings);
+    const Vec3 h = eval_reference(reference, r);
+    for (int c = 0; c < 3; ++c) {
+      const double value =
+          area * near_weight(r, near_mm) * std::exp(2 * static_cast<double>(component(h, c)));
+      result.integral[c] += value;
+      moment += r * value;
+      sum += value;
+    }
+  }
+  result.mean_mm = moment / sum;
+  return result;
+}
+
+// A^2 w over its integral, mean of the channels.
+double eval_near(const NearReference& weights, Vec3 h, double r, double near_mm) {
+  double sum = 0;
+  for (int c = 0; c < 3; ++c)
+    sum += std::exp(2 * static_cast<double>(component(h, c))) / (3 * weights.integral[c]);
+  return sum * near_weight(r, near_mm);
+}
+
+// How a radius becomes parts of the segments between a level's nodes.
+void set_segments(const Program& program, const SplatInput& input, int level) {
+  const std::array<int, 5> nodes = level_nodes(level);
+  Vec4 factor{}, offset{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const float from = input.radial.nodes[static_cast<std::size_t>(nodes[k])];
+    const float to = input.radial.nodes[static_cast<std::size_t>(nodes[k + 1])];
+    factor[k] = 1 / (to - from);
+    offset[k] = -from / (to - from);
+  }
+  set_uniform(program, "part_factor", std::vector<Vec4>{factor});
+  set_uniform(program, "part_offset", std::vector<Vec4>{offset});
+}
+
 }  // namespace
 
 std::size_t ViewPyramid::bytes() const {
   std::size_t sum = 0;
   for (const Texture& texture : representatives) sum += byte_size(texture);
   for (const ViewLevel& level : levels) {
-    for (const Texture* texture :
-         {&level.positions, &level.normals, &level.sums, &level.moments, &level.near, &level.mean})
+    for (const Texture* texture : {&level.positions, &level.sums, &level.near, &level.mean})
       if (texture->handle.get() != 0) sum += byte_size(*texture);
     for (const Texture& texture : level.depth) sum += byte_size(texture);
   }
   return sum;
 }
 
+double TexelSizes::wanted_mm(int level) const {
+  return spacing_mm * (level == 0 ? samples : std::ldexp(groups, level));
+}
+
 ViewPyramid make_view_pyramid(const SplatCamera& camera, const RadialLevels& radial,
-                              double spacing_mm, double texel_spacings, SplatFormat format) {
+                              const TexelSizes& texels, SplatFormat format) {
   ViewPyramid pyramid;
   pyramid.width = camera.frame.width;
   pyramid.height = camera.frame.height;
   int largest = 1;
   for (int l = 0; l < radial.count; ++l) {
-    const int block = choose_block(camera, std::ldexp(texel_spacings * spacing_mm, l));
+    const int block = choose_block(camera, texels.wanted_mm(l));
     largest = std::max(largest, block);
     pyramid.levels.push_back(make_view_level(
         blocks_of(pyramid.width, block), blocks_of(pyramid.height, block), block, l == 0, format));
@@ -130,15 +191,29 @@ SplatPrograms make_splat_programs() {
   programs.reduce_first = make_program(screen, {"reduce_fragment.glsl"}, {"FIRST"});
   programs.reduce = make_program(screen, {"reduce_fragment.glsl"});
   programs.represent_pixels =
-      make_program(screen, {"camera.glsl", "represent_fragment.glsl"}, {"FULL"});
-  programs.represent = make_program(screen, {"camera.glsl", "represent_fragment.glsl"});
+      make_program(screen, {"camera.glsl", "octahedral.glsl", "represent_fragment.glsl"}, {"FULL"});
+  programs.represent =
+      make_program(screen, {"camera.glsl", "octahedral.glsl", "represent_fragment.glsl"});
   const std::string tiles = fmt::format("TILE {}", tile);
   programs.tiles = make_program(screen, {"tiles_fragment.glsl"}, {tiles});
   const std::vector<std::string_view> vertex{"camera.glsl", "sources.glsl", "splat_vertex.glsl"};
-  programs.splat_single = make_program(vertex, {"splat_fragment.glsl"}, {"SINGLE", tiles});
-  programs.splat_single_mean =
-      make_program(vertex, {"splat_fragment.glsl"}, {"SINGLE", "MEAN", tiles});
-  programs.splat_group = make_program(vertex, {"splat_fragment.glsl"}, {tiles});
+  const auto make = [&](std::vector<std::string> defines,
+                        std::string_view file = "splat_fragment.glsl") {
+    const std::vector<std::string_view> fragment{"octahedral.glsl", file};
+    defines.push_back(tiles);
+    defines.push_back(fmt::format("STEPS {}", table_steps));
+    SplatProgram program;
+    program.squares = make_program(vertex, fragment, defines);
+    defines.emplace_back("POINTS");
+    program.points = make_program(vertex, fragment, defines);
+    return program;
+  };
+  programs.single = make({"SINGLE"});
+  programs.single_mean = make({"SINGLE", "MEAN"});
+  programs.group = make({});
+  programs.bare_single = make({"SINGLE"}, "bare_fragment.glsl");
+  programs.bare_group = make({}, "bare_fragment.glsl");
+  programs.largest_point = largest_point_size();
   return programs;
 }
 
@@ -162,36 +237,29 @@ void draw_pyramid(const ViewPyramid& pyramid, const SplatPrograms& programs,
 }
 
 SplatTables make_splat_tables(const RadialLevels& radial, const ReferenceProfile& reference,
-                              const NearRadii& near) {
+                              const NearRadii& near, double area_mm2) {
+  const NearReference weights = integrate_near(reference, near.near_mm);
   SplatTables tables;
+  tables.near_mm = weights.mean_mm;
   for (int l = 0; l < radial.count; ++l) {
-    const double radius = radial.level_radius(l), first = l == 0 ? 0 : radius / 2;
-    const double step = (2 * radius - first) / table_steps;
+    const double first = radial.first_mm(l), step = (radial.last_mm(l) - first) / table_steps;
     std::vector<float> values;
     for (int i = 0; i < table_steps; ++i) {
       const double r = first + (i + 0.5) * step;
       const Vec3 h = eval_reference(reference, r);
-      for (const float value :
-           {2 * h.x, 2 * h.y, 2 * h.z, static_cast<float>(level_weight(radial, l, r))})
-        values.push_back(value);
+      const bool is_near = l == 0 && r < near.near_mm;
+      if (is_near) tables.near_steps = i + 1;
+      const double w =
+          is_near ? area_mm2 * eval_near(weights, h, r, near.near_mm) : level_weight(radial, l, r);
+      for (const double value : {2 * std::numbers::log2e * static_cast<double>(h.x),
+                                 2 * std::numbers::log2e * static_cast<double>(h.y),
+                                 2 * std::numbers::log2e * static_cast<double>(h.z), w})
+        values.push_back(static_cast<float>(value));
     }
     tables.table.push_back(
         make_texture(TexelFormat::rgba32f, table_steps, 1, "splat table", values.data()));
-    tables.range.push_back({static_cast<float>(first), static_cast<float>(step)});
+    tables.place.push_back({static_cast<float>(1 / step), static_cast<float>(-first / step)});
   }
-  // 1/3 over int A^2 w dA: the sampled integral over the true one, mean of the channels.
-  constexpr int rings = 256;
-  double integral[3] = {0, 0, 0};
-  for (int i = 0; i < rings; ++i) {
-    const double part = (i + 0.5) / rings, w = (1 - part) * (1 - part);
-    const Vec3 h = eval_reference(reference, near.near_mm * std::sqrt(part));
-    const double area = std::numbers::pi * near.near_mm * near.near_mm / rings;
-    for (int c = 0; c < 3; ++c)
-      integral[c] += area * w * std::exp(2 * static_cast<double>(component(h, c)));
-  }
-  tables.reference_share = {static_cast<float>(1 / (3 * integral[0])),
-                            static_cast<float>(1 / (3 * integral[1])),
-                            static_cast<float>(1 / (3 * integral[2]))};
   return tables;
 }
 
@@ -209,39 +277,44 @@ void set_level_nodes(const Program& program, const SplatInput& input, int level)
 }
 
 void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, const Sources& sources,
-                 const SplatInput& input, const SplatCamera& camera, int level) {
+                 const SplatInput& input, const SplatCamera& camera, int level, bool is_bare) {
   const auto l = static_cast<std::size_t>(level);
   const ViewLevel& view = pyramid.levels[l];
   const SourceLevel& source = sources.levels[l];
-  const int targets = level > 0 ? 2 : view.mean.handle.get() == 0 ? 3 : 4;
-  const Program& program = targets == 2   ? programs.splat_group
-                           : targets == 3 ? programs.splat_single
-                                          : programs.splat_single_mean;
+  const int targets = level > 0 ? 1 : view.mean.handle.get() == 0 ? 2 : 3;
+  const SplatProgram& of_level = targets == 1   ? (is_bare ? programs.bare_group : programs.group)
+                                 : is_bare      ? programs.bare_single
+                                 : targets == 2 ? programs.single
+                                                : programs.single_mean;
+  const double reach = std::min(input.radial.last_mm(level), input.max_support_mm);
+  const bool as_points =
+      largest_splat(camera, reach) * view.positions.height <= programs.largest_point;
+  const Program& program = as_points ? of_level.points : of_level.squares;
   use(program);
   set_camera(program, camera);
   set_level_nodes(program, input, level);
   set_uniform(program, "source_lines", source.lines);
-  set_uniform(
-      program, "reach",
-      static_cast<float>(std::min(2 * input.radial.level_radius(level), input.max_support_mm)));
-  set_uniform(program, "table_range", input.tables.range[l]);
+  set_uniform(program, "reach", static_cast<float>(reach));
+  set_uniform(program, "table_place", input.tables.place[l]);
+  set_segments(program, input, level);
   bind_texture(program, "source_positions", 0, source.positions);
   bind_texture(program, "source_rows", 1, source.rows);
   bind_texture(program, "level_table", 2, input.tables.table[l]);
   if (level == 0) {
     bind_texture(program, "source_flux", 3, sources.flux);
     bind_texture(program, "source_normals", 4, sources.normals);
-    set_uniform(program, "near_mm", static_cast<float>(input.near.near_mm));
-    set_uniform(program, "mean_mm", static_cast<float>(input.near.mean_mm));
+    const double near = input.near.near_mm, mean = input.near.mean_mm;
+    set_uniform(program, "near_mm", static_cast<float>(near));
+    set_uniform(program, "near_factor",
+                Vec2{static_cast<float>(1 / (near * near)), static_cast<float>(1 / (mean * mean))});
+    set_uniform(program, "near_steps", input.tables.near_steps);
     set_uniform(program, "area_mm2", static_cast<float>(sources.area_mm2));
-    set_uniform(program, "reference_share", input.tables.reference_share);
   }
   for (int layer = 0; layer < view.layers; ++layer) {
     bind(view.splat[static_cast<std::size_t>(layer)]);
     for (int i = 0; i < targets; ++i) clear_color(i);
     bind_texture(program, "level_positions", 5, view.positions);
-    bind_texture(program, "level_normals", 6, view.normals);
-    bind_texture(program, "tiles", 7, view.tiles[static_cast<std::size_t>(layer)]);
+    bind_texture(program, "tiles", 6, view.tiles[static_cast<std::size_t>(layer)]);
     set_uniform(
         program, "level_size",
         Vec2{static_cast<float>(view.positions.width), static_cast<float>(view.positions.height)});
@@ -250,7 +323,7 @@ void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, cons
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);
     glDepthMask(GL_FALSE);
-    draw_squares(source.count);
+    as_points ? draw_points(source.count) : draw_squares(source.count);
   }
   set_additive_blending(false);
   glDisable(GL_DEPTH_TEST);

@@ -21,7 +21,7 @@ struct NearRadii {
 struct ViewLevel {
   int block = 1;  // pixels of a texel's side
   int layers = 1;
-  Texture positions, normals, sums, moments;
+  Texture positions, sums;
   Texture near, mean;                  // of level 0
   std::vector<Texture> depth, tiles;   // of each layer
   std::vector<Framebuffer> represent;  // of each layer
@@ -42,14 +42,25 @@ struct SplatFormat {
   bool with_mean = true;  // the mean irradiance around texels, where samples are too few
 };
 
-// `spacing_mm` of the samples; a level's texels are `texel_spacings` of its emitters' spacing, at
-// least a pixel.
+// Sides of texels, in spacings of a level's emitters. Those of groups have to be small beside the
+// lengths over which profiles fall, too, or dark parts far from light become coarse.
+struct TexelSizes {
+  double spacing_mm = 1;  // of the samples
+  double samples = 0.75, groups = 0.3;
+  double wanted_mm(int level) const;
+};
+// Texels of powers of two pixels.
 ViewPyramid make_view_pyramid(const SplatCamera& camera, const RadialLevels& radial,
-                              double spacing_mm, double texel_spacings, SplatFormat format);
+                              const TexelSizes& texels, SplatFormat format);
 
+struct SplatProgram {
+  Program points, squares;
+};
 struct SplatPrograms {
   Program reduce_first, reduce, represent_pixels, represent, tiles;
-  Program splat_single, splat_single_mean, splat_group;
+  SplatProgram single, single_mean, group;
+  SplatProgram bare_single, bare_group;  // the same squares with nothing computed, for measuring
+  float largest_point = 1;               // texels
 };
 SplatPrograms make_splat_programs();
 
@@ -60,11 +71,13 @@ void draw_pyramid(const ViewPyramid& pyramid, const SplatPrograms& programs,
 // Per level: w and the reference's logarithm over r, for splat_fragment.glsl.
 struct SplatTables {
   std::vector<Texture> table;
-  std::vector<Vec2> range;  // first radius and step, mm
-  Vec3 reference_share;
+  std::vector<Vec2> place;  // factor and offset from r to the entry
+  int near_steps = 0;       // entries of level 0 within the near term
+  double near_mm = 0;       // the reference's mean radius there
 };
+// `area_mm2` of a sample.
 SplatTables make_splat_tables(const RadialLevels& radial, const ReferenceProfile& reference,
-                              const NearRadii& near);
+                              const NearRadii& near, double area_mm2);
 
 // What all levels share.
 struct SplatInput {
@@ -76,8 +89,9 @@ struct SplatInput {
 };
 // Reference and radii at the nodes of a level.
 void set_level_nodes(const Program& program, const SplatInput& input, int level);
-// Clears a level's targets and adds its emitters.
+// Clears a level's targets and adds its emitters; `is_bare`: a constant in place of each.
 void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, const Sources& sources,
-                 const SplatInput& input, const SplatCamera& camera, int level);
+                 const SplatInput& input, const SplatCamera& camera, int level,
+                 bool is_bare = false);
 
 }  // namespace parian

@@ -29,11 +29,13 @@ namespace parian {
 enum class LightMode { traced, mapped };
 
 struct SplatParams {
-  int samples = 50000;  // where light enters
-  int rays = 128;       // per sample and environment light
-  int antialias = 2;    // n x n pixels drawn per pixel
-  double octave = 4;    // radius of the first level in spacings of the samples
-  double texel = 0.75;  // texels of a level in spacings of its emitters
+  int samples = 50000;       // where light enters
+  int rays = 128;            // per sample and environment light
+  int antialias = 2;         // n x n pixels drawn per pixel
+  double octave = 3;         // radius of the first level in spacings of the samples
+  double overlap = 0.5;      // octaves within which a level gives way to the next
+  double texel = 0.75;       // of the first level in spacings of the samples
+  double group_texel = 0.3;  // of the others in spacings of their groups of samples
   LightMode lights = LightMode::traced;
   int shadow_size = 2048;    // texels of a shadow map's side
   int reflection_rays = 16;  // per pixel drawn and environment light
@@ -54,8 +56,9 @@ struct SplatReport {
   double escaping_fraction = 0;  // of rays sent inwards: holes in the mesh
   std::size_t targets = 0;       // pixels drawn
   int levels = 0;
-  std::vector<int> blocks;  // pixels of each level's texels
-  std::size_t texture_bytes = 0;
+  std::vector<int> blocks;                            // pixels of each level's texels
+  std::vector<double> level_s;                        // of splat_s
+  std::size_t texture_bytes = 0, material_bytes = 0;  // of all textures, of the material's
   std::string device;
   std::vector<std::string> warnings;
 };
@@ -63,15 +66,16 @@ struct SplatReport {
 // A scene ready to be drawn. Needs the context that it was made in to be current.
 class SplatRenderer {
  public:
-  // Throws Error for a table without a fit and for layers, which only render/ draws, and when
-  // textures exceed the device's limits.
+  // Throws Error for a table without a fit, which only render/ draws, for layers as check_layers
+  // does, and when textures exceed the device's limits.
   SplatRenderer(const GlLimits& limits, const Scene& scene, const SplatParams& params,
                 const Progress& progress = {});
   ~SplatRenderer();
   SplatRenderer(SplatRenderer&&) noexcept;
   SplatRenderer& operator=(SplatRenderer&&) noexcept;
 
-  // Each of these and then draw; what did not change is kept.
+  // Each of these and then draw; what did not change is kept. The scene's layers lie over any
+  // material; their profiles are found anew for each pixel when material or camera change.
   void set_material(const Material& material);
   void set_lights(const std::vector<Light>& lights, const Progress& progress = {});
   void set_camera(const Camera& camera);
@@ -82,6 +86,9 @@ class SplatRenderer {
   Image read();
   // Of the last picture: 1 where the mesh is seen by all n x n, 0 by none.
   const std::vector<float>& coverage() const;
+  // Seconds that the device takes for all splats of the last picture when a constant is added in
+  // place of what they are worth: the limit that splat_s is judged by. Draw again afterwards.
+  double time_bare_splats();
   // Sum of the flux over the emitters of a level, W: the same for all of them.
   Rgb level_flux(int level) const;
 

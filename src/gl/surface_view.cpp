@@ -77,7 +77,7 @@ SplatCamera make_splat_camera(const Camera& camera, int antialias, const Bounds3
   }
   result.far_mm = std::max(1.01f * most, 1e-3f * diagonal(box));
   result.near_mm = std::max(0.99f * least, 1e-4f * result.far_mm);
-  result.middle_mm = std::max(depth(center(box)), 2 * result.near_mm);
+  result.middle_mm = std::max(depth(center(box)), 0.7f * most);
   return result;
 }
 
@@ -132,7 +132,7 @@ void draw_geometry(const GeometryBuffer& buffer, const Program& program, const M
 
 Program make_geometry_program() {
   return make_program({"camera.glsl", "surface_vertex.glsl"},
-                      {"camera.glsl", "mapping.glsl", "surface_fragment.glsl"});
+                      {"camera.glsl", "mapping.glsl", "octahedral.glsl", "surface_fragment.glsl"});
 }
 
 }  // namespace parian

@@ -23,7 +23,7 @@ struct SplatCamera {
   CameraFrame frame;
   float near_mm = 0;
   float far_mm = 1;
-  float middle_mm = 1;  // depth of the box's centre
+  float middle_mm = 1;  // depth of the box's centre, or most of the way to its end from within
 };
 SplatCamera make_splat_camera(const Camera& camera, int antialias, const Bounds3& box);
 void set_camera(const Program& program, const SplatCamera& camera);

@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "base/hot.h"
+#include "math/vec.h"
 
 namespace parian {
 namespace {
@@ -118,6 +119,34 @@ double ssim(const Image& reference, const Image& image) {
       sum += sum_ssim(means, across, c1, c2);
     }
   return sum / (static_cast<double>(across * down) * reference.channels);
+}
+
+RelativeErrors relative_errors(const Image& reference, const Image& image,
+                               const std::vector<float>& coverage) {
+  check_same_shape(reference, image);
+  PARIAN_CHECK_EQ(image.channels, 3);
+  PARIAN_CHECK_EQ(3 * coverage.size(), image.values.size());
+  const auto pixel = [](const Image& of, std::size_t i) {
+    return Vec3{of.values[3 * i], of.values[3 * i + 1], of.values[3 * i + 2]};
+  };
+  double most = 0;
+  for (std::size_t i = 0; i < coverage.size(); ++i)
+    most = std::max(most, static_cast<double>(length(pixel(reference, i))));
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < coverage.size(); ++i) {
+    const Vec3 wanted = pixel(reference, i);
+    if (coverage[i] < 0.999f || wanted == Vec3{}) continue;
+    errors.push_back(static_cast<double>(distance(wanted, pixel(image, i))) /
+                     (static_cast<double>(length(wanted)) + 1e-3 * most));
+  }
+  RelativeErrors result;
+  result.pixels = errors.size();
+  if (errors.empty()) return result;
+  std::sort(errors.begin(), errors.end());
+  for (const double error : errors) result.mean += error / static_cast<double>(errors.size());
+  result.p99 = errors[errors.size() * 99 / 100];
+  result.max = errors.back();
+  return result;
 }
 
 }  // namespace parian

@@ -97,5 +97,22 @@ TEST(Metrics, SsimDoesNotDependOnTheUnit) {
   EXPECT_NEAR(psnr_db(scale(a, 64), scale(b, 64)), psnr_db(a, b), 1e-9);
 }
 
+TEST(Metrics, RelativeErrorsOfKnownDifferences) {
+  Image reference = make_image(10, 20, 3, 1), image = reference;
+  std::vector<float> coverage(200, 1.0f);
+  for (int c = 0; c < 3; ++c) {
+    at(image, 0, 0, c) = 1.5f;
+    at(image, 1, 0, c) = 1.2f;
+    at(image, 2, 0, c) = 9;  // not covered wholly
+    at(reference, 3, 0, c) = 0;
+  }
+  coverage[2] = 0.5f;
+  const RelativeErrors errors = relative_errors(reference, image, coverage);
+  EXPECT_EQ(errors.pixels, 198u);
+  EXPECT_NEAR(errors.max, 0.5 / 1.001, 1e-6);
+  EXPECT_NEAR(errors.p99, 0.2 / 1.001, 1e-6);
+  EXPECT_NEAR(errors.mean, 0.7 / 1.001 / 198, 1e-6);
+}
+
 }  // namespace
 }  // namespace parian

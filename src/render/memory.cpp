@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "render/layered_field.h"
 #include "render/primary_internal.h"
 #include "render/render.h"
 #include "transport/gather_table.h"
+#include "transport/layered_field.h"
 
 #if defined(__unix__)
 #include <unistd.h>

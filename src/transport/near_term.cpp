@@ -20,11 +20,6 @@ constexpr std::array<double, 6> gauss_x{0.033765242898424, 0.169395306766868, 0.
 constexpr std::array<double, 6> gauss_w{0.085662246189585, 0.180380786524069, 0.233956967286346,
                                         0.233956967286346, 0.180380786524069, 0.085662246189585};
 
-double near_weight(double r, double near_mm) {
-  const double u = 1 - (r / near_mm) * (r / near_mm);
-  return u > 0 ? u * u : 0;
-}
-
 // Sums over the samples near each target.
 struct NearSums {
   std::array<double, block_values> scattered{};  // S
@@ -77,6 +72,11 @@ void finish_near(const NearSums& near, const NearIntegrals& integrals, double ar
 }
 
 }  // namespace
+
+double near_weight(double r, double near_mm) {
+  const double u = 1 - (r / near_mm) * (r / near_mm);
+  return u > 0 ? u * u : 0;
+}
 
 double near_scale(double weight, double integral, double square, double area_mm2) {
   const double others = integral * integral / (square * area_mm2) - 1;

@@ -10,6 +10,9 @@
 
 namespace parian {
 
+// w(r) = (1 - (r / near_mm)^2)^2, 0 beyond near_mm.
+double near_weight(double r, double near_mm);
+
 // Normals and flux of the samples, in the emitters' order: what the near term needs beside them.
 struct NearSamples {
   std::vector<Vec3> normal;

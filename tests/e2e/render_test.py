@@ -121,13 +121,33 @@ class Render(program.ProgramTest):
         for a, b in zip(self.mean("a.exr"), self.mean("b.exr")):
             self.assertAlmostEqual(a / b, 1, delta=0.03)
 
+    def test_splatting_layers(self):
+        quick = ("--samples", "20000", "--rays", "16", "--antialias", "1")
+        red = {"material": {"sigma_a": [0, 2, 2], "sigma_s_prime": 2, "eta": 1.5},
+               "mask": {"type": "gradient", "from": [-10, 0, 0], "to": [10, 0, 0]}}
+        lit = scene(lights=[{"type": "directional", "direction": [1, 1, 1], "irradiance": 2}])
+        means = []
+        for layers, method in (([], "splat"), ([red], "splat"), ([red], "tree")):
+            self.write_json("scene.json", {**lit, "layers": layers})
+            self.succeed("render", "scene.json", "-o", "a.exr", "--method", method, *quick)
+            means.append(self.mean("a.exr"))
+        self.assertLess(means[1][1], 0.8 * means[0][1])
+        for a, b in zip(means[1], means[2]):
+            self.assertAlmostEqual(a / b, 1, delta=0.03)
+
     def test_splatting_what_it_cannot(self):
-        self.write_json("scene.json", scene(layers=[{"material": {"named": "marble"}}]))
-        self.fail_with(2, "layers: expected a scene without layers for splatting, found 1",
-                       "render", "scene.json", "-o", "a.png", "--method", "splat", *QUICK)
-        self.write_json("scene.json", scene(camera={"width": 10000, "height": 10}))
-        self.fail_with(1, "the graphics driver's limit, found 20000", "render", "scene.json", "-o",
-                       "a.png", "--method", "splat", "--antialias", "2", "--samples", "2000")
+        self.write_json("sample.json", program.sample(40, 32, 10))
+        self.succeed("simulate", "sample.json", "-o", "table.h5", "--quiet")
+        self.write_json("scene.json", scene(material={"file": "table.h5"}))
+        self.fail_with(2, "table.h5: expected a fitted or homogeneous material for splatting, found "
+                       "a table without a fit", "render", "scene.json", "-o", "a.png", "--method",
+                       "splat", *QUICK)
+        self.write_json("scene.json", scene(camera={"width": 16384, "height": 10}))
+        status, _, errors = self.run_program("render", "scene.json", "-o", "a.png", "--method",
+                                             "splat", "--antialias", "2", "--samples", "2000")
+        self.assertEqual(status, 1)
+        self.assertRegex(errors, r"^parian: error: geometry buffer: expected at most \d+ texels or "
+                                 r"layers, the graphics driver's limit, found 32768\n$")
         self.assertNotIn("a.png", self.names())
 
     def test_table_and_its_fit(self):

@@ -1,42 +1,11 @@
 #include "tests/splat/compare_pictures.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "io/image/image_file.h"
 
 namespace parian {
-namespace {
-
-Vec3 pixel(const Image& image, std::size_t i) {
-  return {image.values[3 * i], image.values[3 * i + 1], image.values[3 * i + 2]};
-}
-
-}  // namespace
-
-PictureErrors compare_pictures(const Image& reference, const Image& image,
-                               const std::vector<float>& coverage) {
-  double most = 0;
-  for (std::size_t i = 0; i < coverage.size(); ++i)
-    most = std::max(most, static_cast<double>(length(pixel(reference, i))));
-  std::vector<double> errors;
-  for (std::size_t i = 0; i < coverage.size(); ++i) {
-    const Vec3 wanted = pixel(reference, i), found = pixel(image, i);
-    if (coverage[i] < 0.999f || wanted == Vec3{}) continue;
-    errors.push_back(static_cast<double>(distance(wanted, found)) /
-                     (static_cast<double>(length(wanted)) + 1e-3 * most));
-  }
-  PictureErrors result;
-  result.pixels = errors.size();
-  if (errors.empty()) return result;
-  std::sort(errors.begin(), errors.end());
-  for (const double error : errors) result.mean += error / static_cast<double>(errors.size());
-  result.p99 = errors[errors.size() * 99 / 100];
-  result.max = errors.back();
-  return result;
-}
-
 Image render_reference(Scene scene, int samples, int rays) {
   scene.specular.enabled = false;
   RenderParams params;

@@ -2,22 +2,12 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "gl/splat_renderer.h"
+#include "image/metrics.h"
 #include "render/render.h"
 
 namespace parian {
-
-struct PictureErrors {
-  double mean = 0, p99 = 0, max = 0;  // relative, over pixels
-  std::size_t pixels = 0;
-};
-
-// |a - b| / (|b| + 1e-3 max |b|), lengths over channels, over pixels that are covered in both
-// (black in none).
-PictureErrors compare_pictures(const Image& reference, const Image& image,
-                               const std::vector<float>& coverage);
 
 // The CPU's picture of a scene, every sample for every pixel's one ray, no reflection.
 Image render_reference(Scene scene, int samples, int rays);

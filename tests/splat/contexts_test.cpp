@@ -60,7 +60,7 @@ TEST(Contexts, DesktopAndEmbeddedDrawTheSame) {
     const OffscreenContext context(ContextKind::desktop);
     desktop = draw(context.limits(), ignored);
   }
-  const PictureErrors errors = compare_pictures(embedded, desktop, coverage);
+  const RelativeErrors errors = relative_errors(embedded, desktop, coverage);
   EXPECT_GT(errors.pixels, 1000u);
   EXPECT_LE(errors.mean, 1e-4);
   EXPECT_LE(errors.max, 1e-2);
@@ -73,7 +73,7 @@ TEST(Contexts, SumsIn16BitsAreCloseAndSaidSo) {
   const Image full = draw(context.limits(), coverage);
   GlLimits without = context.limits();
   without.float_blend = false;
-  const PictureErrors errors = compare_pictures(full, draw(without, coverage), coverage);
+  const RelativeErrors errors = relative_errors(full, draw(without, coverage), coverage);
   EXPECT_GT(errors.mean, 0);  // another way
   EXPECT_LE(errors.mean, 0.02);
   EXPECT_LE(errors.p99, 0.08);

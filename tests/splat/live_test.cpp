@@ -124,7 +124,7 @@ TEST(Live, PicturesAreThoseOfTheCpu) {
     renderer.draw();
     const Image image = renderer.read();
     const Image expected = reference.render(make_material(factor)).image;
-    const PictureErrors errors = compare_pictures(expected, image, renderer.coverage());
+    const RelativeErrors errors = relative_errors(expected, image, renderer.coverage());
     EXPECT_GT(errors.pixels, 2000u);
     EXPECT_LE(errors.mean, 0.02);
     EXPECT_LE(errors.p99, 0.08);

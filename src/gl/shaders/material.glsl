@@ -1,6 +1,6 @@
 // Profiles of the material's pixels at the renderer's radii ("nodes"):
 //   h = 1/2 ln P, bilinear over the sample's pixels as material/profile_field.h has it.
-// A profile map keeps h of each pixel; a blend (K-BMPP) keeps h of each base material, and for each
+// UNIFORM: of one pixel. A profile map keeps h of each pixel; a blend (K-BMPP) keeps h of each base material, and for each
 // pixel K indices, which are never filtered, and K weights (Eq. 4).
 uniform sampler2D material_support;  // mm, beyond which R_d is zero
 uniform float node_r[NODES];         // mm
@@ -8,32 +8,39 @@ uniform float node_r[NODES];         // mm
 uniform sampler2D base_rows;          // [base][node], then value and slope at the end of the knots
 uniform usampler2DArray blend_index;  // [k]
 uniform sampler2DArray blend_weight;  // [k]
+#ifdef GAIN
 uniform sampler2D blend_gain;         // 1/2 ln gain
+#endif
 uniform float blend_end;              // the last knot, mm
 uniform float blend_slope;            // least decay beyond it, 1/mm
 #else
 uniform sampler2DArray half_log_rows;  // [node]
 #endif
 
-vec3 pixel_half_log(ivec2 pixel, int node) {
+// At part t of the way from one node to another.
+vec3 pixel_half_log(ivec2 pixel, ivec2 nodes, float t) {
 #ifdef BLEND
-  vec3 h = texelFetch(blend_gain, pixel, 0).rgb;
-  vec3 inside = vec3(0.0), end = vec3(0.0), slope = vec3(0.0);
-  bool is_tail = node_r[node] > blend_end;
+  vec3 from = vec3(0.0), to = vec3(0.0), end = vec3(0.0), slope = vec3(0.0);
   for (int k = 0; k < BLEND; ++k) {
     int base = int(texelFetch(blend_index, ivec3(pixel, k), 0).r);
     float weight = texelFetch(blend_weight, ivec3(pixel, k), 0).r;
-    if (is_tail) {
-      end += weight * texelFetch(base_rows, ivec2(NODES, base), 0).rgb;
-      slope += weight * texelFetch(base_rows, ivec2(NODES + 1, base), 0).rgb;
-    } else {
-      inside += weight * texelFetch(base_rows, ivec2(node, base), 0).rgb;
-    }
+    from += weight * texelFetch(base_rows, ivec2(nodes.x, base), 0).rgb;
+    to += weight * texelFetch(base_rows, ivec2(nodes.y, base), 0).rgb;
+    end += weight * texelFetch(base_rows, ivec2(NODES, base), 0).rgb;
+    slope += weight * texelFetch(base_rows, ivec2(NODES + 1, base), 0).rgb;
   }
-  if (is_tail) return h + end + min(slope, vec3(blend_slope)) * (node_r[node] - blend_end);
-  return h + inside;
+  slope = min(slope, vec3(blend_slope));
+  vec2 r = vec2(node_r[nodes.x], node_r[nodes.y]);
+  if (r.x > blend_end) from = end + slope * (r.x - blend_end);
+  if (r.y > blend_end) to = end + slope * (r.y - blend_end);
+  vec3 h = mix(from, to, t);
+#ifdef GAIN
+  h += texelFetch(blend_gain, pixel, 0).rgb;
+#endif
+  return h;
 #else
-  return texelFetch(half_log_rows, ivec3(pixel, node), 0).rgb;
+  return mix(texelFetch(half_log_rows, ivec3(pixel, nodes.x), 0).rgb,
+             texelFetch(half_log_rows, ivec3(pixel, nodes.y), 0).rgb, t);
 #endif
 }
 
@@ -54,19 +61,26 @@ Corners find_corners(vec2 place) {
 }
 vec3 mix_corners(Corners corners, sampler2D values) {
   ivec2 a = corners.first, b = corners.last;
+#ifdef UNIFORM
+  return texelFetch(values, a, 0).rgb;
+#endif
   return mix(mix(texelFetch(values, a, 0).rgb, texelFetch(values, ivec2(b.x, a.y), 0).rgb,
                  corners.part.x),
              mix(texelFetch(values, ivec2(a.x, b.y), 0).rgb, texelFetch(values, b, 0).rgb,
                  corners.part.x),
              corners.part.y);
 }
-vec3 half_log_at(Corners corners, int node) {
+vec3 half_log_at(Corners corners, ivec2 nodes, float t) {
   ivec2 a = corners.first, b = corners.last;
-  if (a == b) return pixel_half_log(a, node);
-  return mix(
-      mix(pixel_half_log(a, node), pixel_half_log(ivec2(b.x, a.y), node), corners.part.x),
-      mix(pixel_half_log(ivec2(a.x, b.y), node), pixel_half_log(b, node), corners.part.x),
-      corners.part.y);
+#ifdef UNIFORM
+  return pixel_half_log(a, nodes, t);
+#else
+  return mix(mix(pixel_half_log(a, nodes, t), pixel_half_log(ivec2(b.x, a.y), nodes, t),
+                 corners.part.x),
+             mix(pixel_half_log(ivec2(a.x, b.y), nodes, t), pixel_half_log(b, nodes, t),
+                 corners.part.x),
+             corners.part.y);
+#endif
 }
 
 // A profile that ends between nodes: from the node before, exp(h) falls by the exponential that

@@ -16,12 +16,6 @@ struct Reflector {
   vec3 view;
 };
 
-vec3 decode_octahedral(vec2 e) {
-  vec3 n = vec3(e, 1.0 - abs(e.x) - abs(e.y));
-  if (n.z < 0.0) n.xy = (1.0 - abs(n.yx)) * vec2(e.x < 0.0 ? -1.0 : 1.0, e.y < 0.0 ? -1.0 : 1.0);
-  return normalize(n);
-}
-
 Reflector get_reflector(ivec2 pixel) {
   Reflector seen;
   seen.position = texelFetch(positions, pixel, 0).xyz;

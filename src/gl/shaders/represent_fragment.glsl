@@ -1,4 +1,5 @@
-// What a level's texels stand for: position and normal of pixel A or B of their block.
+// What a level's texels stand for: position and normal (packed; 0: nothing) of pixel A or B of
+// their block.
 #ifndef FULL
 uniform usampler2D representatives;
 #endif
@@ -7,7 +8,6 @@ uniform sampler2D normals;
 uniform int layer;        // 0: A, 1: B
 uniform float apart;      // B counts where it is farther than this from A, times its depth
 layout(location = 0) out vec4 out_position;
-layout(location = 1) out vec4 out_normal;
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -24,10 +24,9 @@ void main() {
   }
 #endif
   out_position = vec4(0.0);
-  out_normal = vec4(0.0);
   gl_FragDepth = 0.0;
   if (!is_used) return;
-  out_position = texelFetch(positions, pixel, 0);
-  out_normal = texelFetch(normals, pixel, 0);
+  out_position = vec4(texelFetch(positions, pixel, 0).xyz,
+                      pack_normal(texelFetch(normals, pixel, 0).xyz));
   gl_FragDepth = 0.5 + 0.5 * device_depth(to_view(out_position.xyz).z);
 }

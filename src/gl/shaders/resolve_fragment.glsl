@@ -3,17 +3,17 @@
 //
 //   M = B a_o(B1 / B) / A(B1 / B),
 //
-// which is exact to first order in r within the level, and leaves the texture of a_o as sharp as
-// the picture.
+// which is exact to first order in r within the level (B1 / B of the channels together), and leaves the texture of a_o as sharp as
+// the picture. PIXELS: the material has a profile for each pixel of the picture, drawn PIXELS x
+// PIXELS times.
 uniform sampler2D positions;
 uniform sampler2D normals;
 uniform sampler2D places;
 uniform sampler2DArray level_positions;
 uniform sampler2DArray level_sums;
-uniform sampler2DArray level_moments;
 #ifdef SINGLE
-uniform sampler2DArray level_normals;
 uniform sampler2DArray level_near;
+uniform float near_r;             // mm: mean radius of the near term
 uniform sampler2D near_count;     // of the material's pixels: number of samples in the near term
 #ifdef MEAN
 uniform sampler2DArray level_mean;
@@ -29,14 +29,12 @@ layout(location = 0) out vec4 exitance;
 
 struct Sums {
   vec4 sum;
-  vec4 moment;
   vec4 near;
   vec4 mean;
 };
 
 void add_texel(inout Sums sums, ivec3 texel, float weight) {
   sums.sum += weight * texelFetch(level_sums, texel, 0);
-  sums.moment += weight * texelFetch(level_moments, texel, 0);
 #ifdef SINGLE
   sums.near += weight * texelFetch(level_near, texel, 0);
 #ifdef MEAN
@@ -54,13 +52,13 @@ float apart(ivec3 texel, vec3 position, vec3 normal) {
   vec3 d = (there.xyz - position) / softness;
   float result = dot(d, d);
 #ifdef SINGLE
-  result += 4.0 * (1.0 - dot(texelFetch(level_normals, texel, 0).xyz, normal));
+  result += 4.0 * (1.0 - dot(normalize(unpack_direction(there.w)), normal));
 #endif
   return result;
 }
 
 Sums interpolate(ivec2 pixel, vec3 position, vec3 normal) {
-  Sums sums = Sums(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+  Sums sums = Sums(vec4(0.0), vec4(0.0), vec4(0.0));
   if (block == 1) {
     add_texel(sums, ivec3(pixel, 0), 1.0);
     return sums;
@@ -86,55 +84,48 @@ Sums interpolate(ivec2 pixel, vec3 position, vec3 normal) {
   }
   if (total > 0.0) {
     sums.sum /= total;
-    sums.moment /= total;
     sums.near /= total;
     sums.mean /= total;
   }
   return sums;
 }
 
-// ln(a_o / A) at the level's nodes.
-vec3 node_ratio[5];
-
-vec3 log_ratio_at(vec3 r) {
-  vec3 value = node_ratio[0];
-  for (int k = 0; k < 4; ++k)
-    value += clamp((r - node_r5[k]) / (node_r5[k + 1] - node_r5[k]), 0.0, 1.0) *
-             (node_ratio[k + 1] - node_ratio[k]);
-  return value;
+// ln(a_o / A) at a radius, linear between the level's nodes.
+vec3 log_ratio_at(Corners corners, vec3 support, float r) {
+  int k = r < node_r5[1] ? 0 : r < node_r5[2] ? 1 : r < node_r5[3] ? 2 : 3;
+  ivec2 nodes = ivec2(level_nodes[k], level_nodes[k + 1]);
+  float t = clamp((r - node_r5[k]) / (node_r5[k + 1] - node_r5[k]), 0.0, 1.0);
+  return half_log_at(corners, nodes, t) +
+         mix(cut_log(support, nodes.x) - reference_nodes[k],
+             cut_log(support, nodes.y) - reference_nodes[k + 1], t);
 }
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec4 position = texelFetch(positions, pixel, 0);
   Sums sums = interpolate(pixel, position.xyz, texelFetch(normals, pixel, 0).xyz);
-  vec3 r = sums.moment.rgb / max(sums.sum.rgb, 1e-30);
-#ifdef SINGLE
-  float r_near = sums.near.a / max(sums.near.r + sums.near.g + sums.near.b, 1e-30);
-  vec2 range = vec2(min(r_near, min(r.r, min(r.g, r.b))), max(r_near, max(r.r, max(r.g, r.b))));
-#else
-  if (sums.sum.rgb == vec3(0.0)) discard;
-  vec2 range = vec2(min(r.r, min(r.g, r.b)), max(r.r, max(r.g, r.b)));
+  vec3 result = sums.sum.rgb;
+  float r = sums.sum.a / max(result.r + result.g + result.b, 1e-30);
+#ifndef SINGLE
+  if (result == vec3(0.0)) discard;
 #endif
+#ifdef PIXELS
+  Corners corners = Corners(pixel / PIXELS, pixel / PIXELS, vec2(0.0));
+#else
   Corners corners = find_corners(texelFetch(places, pixel, 0).xy);
+#endif
   vec3 support = mix_corners(corners, material_support);
-  for (int k = 0; k < 5; ++k) {  // those around the radii; the others cancel
-    node_ratio[k] = vec3(0.0);
-    if ((k == 4 || range.x <= node_r5[k + 1]) && (k == 0 || range.y >= node_r5[k - 1]))
-      node_ratio[k] = half_log_at(corners, level_nodes[k]) + cut_log(support, level_nodes[k]) -
-                      reference_nodes[k];
-  }
-  vec3 result = sums.sum.rgb * exp(log_ratio_at(r));
+  result *= exp(log_ratio_at(corners, support, r));
 #ifdef SINGLE
   vec3 n = mix_corners(corners, near_count);
   vec3 limit = mix(vec3(1e30), 1.0 + 2.0 / max(n - 1.0, 1e-6), vec3(greaterThan(n, vec3(1.0))));
-  vec3 scale = clamp(vec3(1.0 / max(sums.sum.a, 1e-30)), 1.0 / limit, limit);
-  vec3 close = scale * sums.near.rgb * exp(log_ratio_at(vec3(r_near)));
+  vec3 scale = clamp(vec3(1.0 / max(sums.near.a, 1e-30)), 1.0 / limit, limit);
+  vec3 close = scale * sums.near.rgb * exp(log_ratio_at(corners, support, near_r));
 #ifdef MEAN
   vec3 u = clamp((n - 2.0) / 6.0, 0.0, 1.0);
-  vec3 trust = sums.moment.a > 0.0 ? u * u * (3.0 - 2.0 * u) : vec3(1.0);
+  vec3 trust = sums.mean.a > 0.0 ? u * u * (3.0 - 2.0 * u) : vec3(1.0);
   vec3 integral = mix_corners(corners, near_integral);
-  close = trust * close + (1.0 - trust) * integral * sums.mean.rgb / max(sums.moment.a, 1e-30);
+  close = trust * close + (1.0 - trust) * integral * sums.mean.rgb / max(sums.mean.a, 1e-30);
 #endif
   result += close;
 #endif

@@ -11,5 +11,5 @@ void main() {
   if (node >= NODES) return;
   vec2 place = texelFetch(sample_places, ivec2(texel.x, texel.y % row_lines), 0).xy;
   Corners corners = find_corners(place);
-  value.rgb = exp(half_log_at(corners, node) + cut_log(mix_corners(corners, material_support), node));
+  value.rgb = exp(half_log_at(corners, ivec2(node), 0.0) + cut_log(mix_corners(corners, material_support), node));
 }

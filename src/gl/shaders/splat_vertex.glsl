@@ -1,10 +1,12 @@
-// A splat: a camera-facing quad around the sphere that a source reaches at this level. Its depth is
-// the sphere's nearest, so that the depth test drops surfaces in front of it.
+// A splat: a square around the picture of the sphere that a source reaches at this level, drawn as a
+// point where the device has points as large (POINTS), otherwise as a strip. Its depth is the
+// sphere's nearest, so that the depth test drops surfaces in front of it.
 uniform sampler2D source_positions;
 uniform sampler2D source_rows;
 #ifdef SINGLE
 uniform sampler2D source_flux;
 uniform sampler2D source_normals;
+uniform float near_mm;
 flat out vec3 splat_flux;
 flat out vec3 splat_normal;
 #endif
@@ -13,7 +15,8 @@ uniform int level_nodes[5];       // indices
 uniform vec3 reference_nodes[5];  // ln of the reference there
 uniform float reach;              // mm
 flat out vec3 splat_position;
-flat out vec3 splat_log[5];       // ln(moment / reference) at the level's nodes
+flat out vec3 splat_log;          // log2(moment / reference) at the first of them
+flat out vec3 splat_steps[4];     // from one to the next
 
 uniform sampler2D tiles;  // tiles_fragment.glsl
 uniform vec2 level_size;  // texels
@@ -30,41 +33,66 @@ bool is_seen(vec4 box, float depth) {
 }
 
 // Extent of a sphere's picture along one axis, as tangents; c = centre's coordinate, z its depth.
-vec2 sphere_extent(float c, float z) {
-  float root = sqrt(max(0.0, c * c + z * z - reach * reach));
-  float below = z * z - reach * reach;
-  return vec2(c * z - reach * root, c * z + reach * root) / below;
+vec2 sphere_extent(float c, float z, float radius) {
+  float root = sqrt(max(0.0, c * c + z * z - radius * radius));
+  float below = z * z - radius * radius;
+  return vec2(c * z - radius * root, c * z + radius * root) / below;
 }
 
 void main() {
   int width = textureSize(source_positions, 0).x;
+#ifdef POINTS
+  ivec2 texel = source_texel(gl_VertexID, width);
+  gl_PointSize = 1.0;
+#else
   ivec2 texel = source_texel(gl_InstanceID, width);
+#endif
   splat_position = texelFetch(source_positions, texel, 0).xyz;
-  vec3 v = to_view(splat_position);
-  vec4 box = vec4(-1.0, -1.0, 1.0, 1.0);
-  if (v.z > reach * 1.001) {
-    vec2 x = sphere_extent(v.x, v.z) / camera_half.x, y = sphere_extent(v.y, v.z) / camera_half.y;
-    box = clamp(vec4(x.x, y.x, x.y, y.y), -1.0, 1.0);
-  }
-  float depth = v.z - reach > camera_range.x ? device_depth(v.z - reach) : -1.0;
-  depth = clamp(depth, -0.99999, 1.0);
-  gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
-  if (v.z < -reach || !is_seen(box, 0.5 + 0.5 * depth)) return;
-
+  float radius = reach;
   vec3 flux = vec3(1.0);
 #ifdef SINGLE
   flux = texelFetch(source_flux, texel, 0).rgb;
   splat_flux = flux;
   splat_normal = texelFetch(source_normals, texel, 0).xyz;
+  // A sample in the dark still counts in the near term's means.
+  if (flux == vec3(0.0)) radius = min(reach, near_mm);
 #endif
+  vec3 v = to_view(splat_position);
+  vec4 box = vec4(-1.0, -1.0, 1.0, 1.0);
+  if (v.z > radius * 1.001) {
+    vec2 x = sphere_extent(v.x, v.z, radius) / camera_half.x;
+    vec2 y = sphere_extent(v.y, v.z, radius) / camera_half.y;
+    box = clamp(vec4(x.x, y.x, x.y, y.y), -1.0, 1.0);
+  }
+  float depth = v.z - radius > camera_range.x ? device_depth(v.z - radius) : -1.0;
+  depth = clamp(depth, -0.99999, 1.0);
+  gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+  if (v.z < -radius || !is_seen(box, 0.5 + 0.5 * depth)) return;
+
   float most = 0.0;
+  vec3 before = vec3(0.0);
   for (int k = 0; k < 5; ++k) {
     vec3 value = flux * texelFetch(source_rows,
                                    ivec2(texel.x, texel.y + level_nodes[k] * source_lines), 0).rgb;
     most = max(most, max(value.r, max(value.g, value.b)));
-    splat_log[k] = log(max(value, 1e-30)) - reference_nodes[k];
+    vec3 here = log2(max(value, 1e-30)) - 1.44269504 * reference_nodes[k];
+    if (k == 0) {
+      splat_log = here;
+    } else {
+      splat_steps[k - 1] = here - before;
+    }
+    before = here;
   }
+#ifndef SINGLE
   if (most <= 0.0) return;
+#endif
+#ifdef POINTS
+  // Devices drop points whose centre lies outside, so it is that of the part inside.
+  vec2 size = 0.5 * (box.zw - box.xy) * level_size;
+  gl_PointSize = max(size.x, size.y) + 1.0;
+  gl_Position = vec4(0.5 * (box.xy + box.zw), depth, 1.0);
+#else
   gl_Position = vec4((gl_VertexID & 1) == 0 ? box.x : box.z, (gl_VertexID & 2) == 0 ? box.y : box.w,
                      depth, 1.0);
+#endif
 }

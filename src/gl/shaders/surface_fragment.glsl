@@ -8,11 +8,6 @@ layout(location = 2) out vec4 out_place;     // in the sample, pixels; the trian
 
 const float least_cosine = 0.1;
 
-vec2 encode_octahedral(vec3 n) {
-  vec2 e = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
-  return n.z >= 0.0 ? e : (1.0 - abs(e.yx)) * vec2(e.x < 0.0 ? -1.0 : 1.0, e.y < 0.0 ? -1.0 : 1.0);
-}
-
 void main() {
   vec3 normal = normalize(surface_normal);
   vec3 view = normalize(camera_position - surface_position);

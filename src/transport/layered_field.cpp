@@ -1,4 +1,4 @@
-#include "render/layered_field.h"
+#include "transport/layered_field.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 
 #include "base/check.h"
 #include "base/parallel.h"
-#include "render/row_blend_internal.h"
 #include "scene/mapping.h"
+#include "transport/row_blend.h"
 
 namespace parian {
 namespace {

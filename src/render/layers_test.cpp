@@ -1,4 +1,4 @@
-#include "render/layered_field.h"
+#include "transport/layered_field.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include "material/properties.h"
 #include "mesh/ray_tracer.h"
 #include "mesh/surface_samples.h"
-#include "render/row_blend_internal.h"
 #include "render/test_scenes.h"
 #include "transport/gather.h"
+#include "transport/row_blend.h"
 
 namespace parian {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/layered_field.h"
+#include "transport/layered_field.h"
 
 namespace parian {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "base/hot.h"
 #include "math/fast_math.h"
-#include "render/row_blend_internal.h"
+#include "transport/row_blend.h"
 
 namespace parian {
 namespace {
