@@ -158,6 +158,7 @@ void draw_flat_view(Ui& ui) {
   Studio& studio = ui.studio;
   const std::shared_ptr<const EditorSnapshot> snapshot = studio.snapshot;
   if (snapshot == nullptr) return ImGui::TextDisabled("no map is open");
+  const EditState* shown = &snapshot->after;
   draw_flat_options(ui);
   if (studio.flat_picture == nullptr) return;
   if (ui.flat_id != studio.flat_id) {
@@ -165,10 +166,9 @@ void draw_flat_view(Ui& ui) {
                    studio.flat_picture->height, /*smooth=*/false);
     ui.flat_id = studio.flat_id;
   }
-  const std::shared_ptr<const SecondMaterial> second =
-      studio.flat_shows_second ? studio.second : nullptr;
-  const bool on_second = second != nullptr;
-  const double pitch = (second != nullptr ? second->state : snapshot->after).pixel_pitch_mm;
+  const bool on_second = studio.flat_shows_second && studio.second != nullptr;
+  if (on_second) shown = &studio.second->state;
+  const double pitch = shown->pixel_pitch_mm;
   const ImVec2 room = ImGui::GetContentRegionAvail(), corner = ImGui::GetCursorScreenPos();
   const auto columns = static_cast<float>(ui.flat.width()),
              rows = static_cast<float>(ui.flat.height());

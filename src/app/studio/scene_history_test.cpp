@@ -13,6 +13,7 @@ SceneState lit(double lamp) {
 
 std::vector<std::string> labels(const HistoryView& view) {
   std::vector<std::string> names;
+  names.reserve(view.rows.size());
   for (const HistoryRow& row : view.rows) names.push_back(row.label);
   return names;
 }
