@@ -72,7 +72,8 @@ TEST(Samples, SchemaAgreesWithTheLayouts) {
     EXPECT_EQ(as_string(get(get(properties, "kind"), "const")), kind);
     Layout layout = make_layout(kind);
     const ParamList params = describe(layout);
-    EXPECT_EQ(as_object(properties).size(), params.size() + 1) << kind;
+    const std::size_t read_apart = kind == "image" ? 2 : 1;  // "kind", and a stack's "images"
+    EXPECT_EQ(as_object(properties).size(), params.size() + read_apart) << kind;
     for (const Param& param : params) {
       const Document* property = &get(properties, json_key(param));
       if (const Document* value = find(*property, "default")) {
@@ -87,6 +88,21 @@ TEST(Samples, SchemaAgreesWithTheLayouts) {
         EXPECT_EQ(as_number(*maximum), param.max) << kind << ' ' << param.name;
       }
     }
+  }
+}
+
+TEST(Samples, SchemaAgreesAboutDepth) {
+  const Document schema = load_document(data_folder + "schema/sample.schema.json");
+  const Document& properties = get(get(get(schema, "properties"), "depth"), "properties");
+  SampleDepth depth;
+  const ParamList params = describe(depth);
+  EXPECT_EQ(as_object(properties).size(), params.size());
+  for (const Param& param : params) {
+    const Document& property = get(properties, json_key(param));
+    if (param.name == "solid") continue;
+    EXPECT_EQ(as_number(get(property, "default")), std::stod(format_value(param))) << param.name;
+    EXPECT_EQ(as_number(get(property, "minimum")), param.min) << param.name;
+    EXPECT_EQ(as_number(get(property, "maximum")), param.max) << param.name;
   }
 }
 

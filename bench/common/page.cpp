@@ -1,6 +1,7 @@
 #include "bench/common/page.h"
 
 #include <cstdio>
+#include <filesystem>
 
 #include "base/error.h"
 #include "io/image/image_file.h"
@@ -35,12 +36,14 @@ void write_table(const Page& page, const std::string& name, const std::string& t
   for (const auto& row : table.rows) markdown += format_row(row);
   std::printf("%s\n", markdown.c_str());
   std::fflush(stdout);
+  std::filesystem::create_directories(page.folder);
   write_text(page.folder + '/' + name + ".md", markdown);
   if (!page.docs.empty()) replace_in_page(page.docs + "/" + page.name + ".md", name, markdown);
 }
 
 void write_picture(const Page& page, const std::string& name, const Image& image) {
   const std::string folder = page.docs.empty() ? page.folder : page.docs + "/images";
+  std::filesystem::create_directories(folder);
   const std::string path = folder + "/" + page.name + "-" + name + ".png";
   save_image(path, image);
   std::fprintf(stderr, "%s\n", path.c_str());

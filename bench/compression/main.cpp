@@ -1,8 +1,7 @@
-// bench_compress [all|race|tables|rates|pictures|large] [-o FOLDER] [--docs DOCS]: prints the
+// bench_compress [all|race|tables|rates|pictures|large|noise] [-o FOLDER] [--docs DOCS]: prints the
 // tables of docs/compression.md and draws its pictures.
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <string>
 
 #include "base/memory.h"
@@ -15,15 +14,14 @@ struct NamedStudy {
   const char* name;
   void (*run)(const Page&);
 };
-constexpr NamedStudy studies[] = {{"race", study_race},
-                                  {"tables", study_tables},
-                                  {"rates", study_rates},
-                                  {"pictures", study_pictures},
-                                  {"large", study_large}};
+constexpr NamedStudy studies[] = {{"race", study_race},   {"tables", study_tables},
+                                  {"rates", study_rates}, {"pictures", study_pictures},
+                                  {"large", study_large}, {"noise", study_noise}};
 
 int show_usage() {
   std::fputs(
-      "usage: bench_compress [all|race|tables|rates|pictures|large] [-o FOLDER] [--docs DOCS]\n"
+      "usage: bench_compress [all|race|tables|rates|pictures|large|noise] [-o FOLDER]\n"
+      "                      [--docs DOCS]\n"
       "\n"
       "Compression beside the 2019 paper's optimiser and other methods: Markdown tables to the\n"
       "standard output and to FOLDER/*.md, pictures to FOLDER (default: out/bench/compression).\n"
@@ -51,8 +49,6 @@ int run(int argc, char** argv) {
   bool known = chosen == "all";
   for (const NamedStudy& each : studies) known = known || chosen == each.name;
   if (!known) return show_usage();
-  std::filesystem::create_directories(page.folder);
-  if (!page.docs.empty()) std::filesystem::create_directories(page.docs + "/images");
   for (const NamedStudy& each : studies)
     if (chosen == "all" || chosen == each.name) each.run(page);
   return 0;

@@ -44,5 +44,6 @@ void study_tables(const Page& page);
 void study_rates(const Page& page);
 void study_pictures(const Page& page);
 void study_large(const Page& page);
+void study_noise(const Page& page);
 
 }  // namespace parian::compression

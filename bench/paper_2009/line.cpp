@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "bench/paper_2009/pictures.h"
+#include "bench/common/pictures.h"
 #include "bench/paper_2009/study.h"
 
 namespace parian::paper_2009 {

@@ -1,8 +1,7 @@
-// bench_paper_2009 [all|table1|segments|line|points|contrast] [-o FOLDER] [--docs DOCS]: prints the
-// tables of docs/fit.md and draws its pictures.
+// bench_paper_2009 [all|table1|segments|line|points|contrast|noise] [-o FOLDER] [--docs DOCS]:
+// prints the tables of docs/fit.md and draws its pictures.
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <iterator>
 #include <string>
 
@@ -16,16 +15,14 @@ struct NamedStudy {
   void (*run)(Study&);
 };
 // Those that need the chessboard, the largest table, follow each other.
-constexpr NamedStudy studies[] = {{"segments", study_segments},
-                                  {"contrast", study_contrast},
-                                  {"line", study_line},
-                                  {"points", study_points},
-                                  {"table1", study_table1}};
+constexpr NamedStudy studies[] = {{"segments", study_segments}, {"contrast", study_contrast},
+                                  {"noise", study_noise},       {"line", study_line},
+                                  {"points", study_points},     {"table1", study_table1}};
 
 int show_usage() {
   std::fputs(
-      "usage: bench_paper_2009 [all|table1|segments|line|points|contrast] [-o FOLDER]\n"
-      "                        [--docs DOCS]\n"
+      "usage: bench_paper_2009 [all|table1|segments|line|points|contrast|noise]\n"
+      "                        [-o FOLDER] [--docs DOCS]\n"
       "\n"
       "The evaluation of the SubEdit paper on simulated samples: Markdown tables to the standard\n"
       "output and to FOLDER/*.md, pictures to FOLDER/fit-*.png (default: out/bench/paper_2009).\n"
@@ -53,8 +50,6 @@ int run(int argc, char** argv) {
   bool known = chosen == "all";
   for (const NamedStudy& each : studies) known = known || chosen == each.name;
   if (!known) return show_usage();
-  std::filesystem::create_directories(study.page.folder);
-  if (!study.page.docs.empty()) std::filesystem::create_directories(study.page.docs + "/images");
   for (const NamedStudy& each : studies)
     if (chosen == "all" || chosen == each.name) each.run(study);
   return 0;

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <utility>
 
-#include "bench/paper_2009/pictures.h"
+#include "bench/common/pictures.h"
 #include "bench/paper_2009/study.h"
 #include "judge/plot.h"
 #include "judge/row_sums.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "bench/paper_2009/pictures.h"
+#include "bench/common/pictures.h"
 #include "bench/paper_2009/study.h"
 #include "io/hdf5/table_file.h"
 #include "judge/plot.h"

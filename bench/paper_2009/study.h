@@ -52,5 +52,6 @@ void study_segments(Study& study);
 void study_line(Study& study);
 void study_points(Study& study);
 void study_contrast(Study& study);
+void study_noise(Study& study);
 
 }  // namespace parian::paper_2009

@@ -30,6 +30,7 @@ struct Stage {
 
 std::vector<Image> load_repeats(const Stage& stage, FrameRole role, int exposure) {
   std::vector<Image> frames;
+  frames.reserve(static_cast<std::size_t>(stage.meta.calibration_frames));
   for (int k = 0; k < stage.meta.calibration_frames; ++k)
     frames.push_back(
         stage.load_frame({.role = role, .i = 0, .j = 0, .exposure = exposure, .repeat = k}));
@@ -225,6 +226,21 @@ double check_sum(const DotResponses& responses, const std::vector<float>& white)
   return white2 > 0 ? std::sqrt(difference2 / white2) : 1;
 }
 
+// The mean of both directions of the raw table, and the noise of either.
+void finish_tables(CaptureResult& result, const Progress& progress) {
+  TableHeader& header = result.raw.header;
+  for (int c = 0; c < header.channels; ++c) {
+    result.report.noise.push_back(fit_noise_model(result.raw, c));
+    header.noise_floor[static_cast<std::size_t>(c)] = result.report.noise.back().floor;
+    header.noise_gain[static_cast<std::size_t>(c)] = result.report.noise.back().gain;
+  }
+  result.report.asymmetry = measure_asymmetry(*make_slices(result.raw), progress);
+  result.table = symmetrise(result.raw);
+  // A single direction has twice the variance of the mean.
+  for (double& value : header.noise_floor) value *= std::sqrt(2.0);
+  for (double& value : header.noise_gain) value *= 2;
+}
+
 }  // namespace
 
 CaptureResult process_capture(const CaptureMeta& meta, const FrameLoader& load_frame,
@@ -251,16 +267,7 @@ CaptureResult process_capture(const CaptureMeta& meta, const FrameLoader& load_f
   report.tail_fraction = remove_tails(meta, responses);
   result.raw = make_raw_table(meta, responses);
   report.centre_offsets = replace_centre(meta, result.raw);
-  for (int c = 0; c < meta.channels; ++c) {
-    report.noise.push_back(fit_noise_model(result.raw, c));
-    result.raw.header.noise_floor[static_cast<std::size_t>(c)] = report.noise.back().floor;
-    result.raw.header.noise_gain[static_cast<std::size_t>(c)] = report.noise.back().gain;
-  }
-  report.asymmetry = measure_asymmetry(*make_slices(result.raw), progress);
-  result.table = symmetrise(result.raw);
-  // A single direction has twice the variance of the mean.
-  for (double& value : result.raw.header.noise_floor) value *= std::sqrt(2.0);
-  for (double& value : result.raw.header.noise_gain) value *= 2;
+  finish_tables(result, progress);
   return result;
 }
 

@@ -106,8 +106,9 @@ ParamList describe(CaptureMeta& meta) {
 
 CaptureMeta read_capture_meta(const Document& document) {
   CaptureMeta meta;
-  read_params(document, describe(meta),
-              {"$schema", "description", "size", "camera_size", "exposures_s", "points"});
+  read_params(
+      document, describe(meta),
+      {"$schema", "description", "size", "camera_size", "exposures_s", "points", "synthetic"});
   for (const char* key : {"pitch_mm", "lattice_px", "radius_px"}) get(document, key);
   if (meta.channels == 2) throw_at(get(document, "channels"), "1 or 3", "2");
   read_size(get(document, "size"), max_side, meta.width, meta.height);
@@ -115,9 +116,9 @@ CaptureMeta read_capture_meta(const Document& document) {
   meta.exposures_s = as_numbers(get(document, "exposures_s"));
   check_exposures(get(document, "exposures_s"), meta);
   if (const Document* points = find(document, "points")) read_points(*points, meta);
+  if (const Document* synthetic = find(document, "synthetic")) meta.synthetic = as_bool(*synthetic);
   const int smaller = meta.width < meta.height ? meta.width : meta.height;
   if (meta.lattice_px >= smaller)  // two dots along each axis, at least
-
     throw_at(get(document, "lattice_px"),
              fmt::format("less than the {} pixels of the shorter side", smaller),
              fmt::format("{}", meta.lattice_px));
@@ -143,6 +144,7 @@ Document write_capture_meta(const CaptureMeta& meta) {
   for (const PointPair& point : meta.points)
     points.emplace_back(Document::Array{point.x_mm, point.y_mm, point.x_px, point.y_px});
   if (!points.empty()) set(document, "points", std::move(points));
+  if (meta.synthetic) set(document, "synthetic", true);
   return document;
 }
 

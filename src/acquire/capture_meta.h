@@ -57,6 +57,7 @@ struct CaptureMeta {
   double psf_px = 0;               // standard deviation of the blur; 0: found from reference_dots
   double centre_px = 0;            // R nearer than this is extrapolated: specular light
   double eta = 1.3;
+  bool synthetic = false;         // made by --synthesize, and so is every table made from it
   std::vector<PointPair> points;  // instead of the dots of reference_dots
 };
 ParamList describe(CaptureMeta& meta);

@@ -32,9 +32,10 @@ class Camera {
     begin_.push_back(0);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
-        for (int k = 0; k < points * points; ++k)
-          look_at(parian::apply(px_to_mm, (x + (k % points + 0.5) / points) / supersampling,
-                                (y + (k / points + 0.5) / points) / supersampling));
+        for (int j = 0; j < points; ++j)
+          for (int i = 0; i < points; ++i)
+            look_at(parian::apply(px_to_mm, (x + (i + 0.5) / points) / supersampling,
+                                  (y + (j + 0.5) / points) / supersampling));
         begin_.push_back(seen_.size());
       }
     const double sigma = params.blur_px * supersampling;
@@ -186,19 +187,6 @@ std::vector<double> light_standard(const CaptureMeta& meta, const PhotographPara
           radiance[static_cast<std::size_t>(c) * pixels + index_of(x, y, meta.width)] =
               meta.reference_albedo * projector(meta, params, x, y);
   return radiance;
-}
-
-// Exact below a mean of 50, above it the normal approximation.
-double sample_poisson(Rng& rng, double mean) {
-  if (mean <= 0) return 0;
-  if (mean > 50) return std::max(0.0, std::round(mean + std::sqrt(mean) * sample_normal(rng)));
-  const double limit = std::exp(-mean);
-  double count = -1, product = 1;
-  do {
-    product *= sample_uniform(rng);
-    count += 1;
-  } while (product > limit);
-  return count;
 }
 
 // Codes of one frame. `light` is linear, in parts of full scale per second.

@@ -205,11 +205,13 @@ TEST(CaptureMeta, ReadsWhatItWrites) {
   CaptureMeta meta = make_meta(make_truth(3));
   meta.points = {{0, 0, 1, 2}, {1, 0, 3, 4}, {0, 1, 5, 6}, {1, 1, 7, 8}};
   meta.format = FrameFormat::exr;
+  meta.synthetic = true;
   const Document document = write_capture_meta(meta);
   const CaptureMeta read = read_capture_meta(locate(document));
   EXPECT_EQ(read.exposures_s, meta.exposures_s);
   EXPECT_EQ(read.points.size(), 4u);
   EXPECT_EQ(read.format, FrameFormat::exr);
+  EXPECT_TRUE(read.synthetic);
   EXPECT_EQ(list_frames(read).size(), 6u * 3u * 4u + 81u * 3u);
   const auto error_with = [&](const char* key, Document value) {
     Document changed = document;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "acquire/import_path_internal.h"
 #include "acquire/provenance.h"
 #include "base/error.h"
 
@@ -63,10 +64,11 @@ void read_files(const Document& document, SliceImport& slices) {
     throw_at(document, "one of the keys 'files' and 'file'", files != nullptr ? "both" : "neither");
   slices.together = file != nullptr;
   if (slices.together) {
-    slices.files = {as_string(*file)};
+    slices.files = {path_beside(document, as_string(*file))};
     return;
   }
-  for (const Document& element : as_array(*files)) slices.files.push_back(as_string(element));
+  for (const Document& element : as_array(*files))
+    slices.files.push_back(path_beside(document, as_string(element)));
   if (slices.files.size() != slices.header.offsets.size())
     throw_at(*files, fmt::format("{} files, one for each offset", slices.header.offsets.size()),
              fmt::format("{}", slices.files.size()));
@@ -110,6 +112,18 @@ void copy_channel(const NamedArray& array, std::size_t channels, std::size_t cha
   for (std::size_t i = 0; i < slice.size(); ++i) slice[i] = array.values[i * channels + channel];
 }
 
+// One channel may have an axis of its own or none.
+void check_shape(const SliceImport& slices, const std::string& file, const NamedArray& array) {
+  const TableHeader& header = slices.header;
+  std::vector<std::size_t> expected{static_cast<std::size_t>(header.height),
+                                    static_cast<std::size_t>(header.width)};
+  if (header.channels > 1 || (array.shape.size() == 3 && array.shape[2] == 1))
+    expected.push_back(static_cast<std::size_t>(header.channels));
+  if (array.shape != expected)
+    throw_shape(file, fmt::format("{}, as '{}' has", format_shape(expected), slices.files[0]),
+                array);
+}
+
 }  // namespace
 
 SliceImport read_slice_import(const Document& document, const ArrayLoader& load_array) {
@@ -145,8 +159,6 @@ void import_slices(const SliceImport& slices, const ArrayLoader& load_array, Sli
   const TableHeader& header = slices.header;
   const auto channels = static_cast<std::size_t>(header.channels);
   const std::size_t offsets = header.offsets.size(), pixels = header.pixels();
-  std::vector<std::size_t> expected{static_cast<std::size_t>(header.height),
-                                    static_cast<std::size_t>(header.width)};
   std::vector<float> slice(pixels);
   NamedArray array;
   if (slices.together) array = load_array(slices.files[0]);
@@ -155,15 +167,7 @@ void import_slices(const SliceImport& slices, const ArrayLoader& load_array, Sli
     const std::string& file = slices.files[slices.together ? 0 : d];
     if (!slices.together) {
       array = load_array(file);
-      if (channels > 1 || array.shape.size() == 3) {
-        expected.resize(2);
-        expected.push_back(channels);
-      } else {
-        expected.resize(2);
-      }
-      if (array.shape != expected)
-        throw_shape(file, fmt::format("{}, as '{}' has", format_shape(expected), slices.files[0]),
-                    array);
+      check_shape(slices, file, array);
     }
     for (std::size_t c = 0; c < channels; ++c) {
       if (slices.together) {

@@ -18,13 +18,13 @@ struct NamedArray {
   std::vector<std::size_t> shape;
   std::vector<float> values;
 };
-// Loads what a description names, relative to the description's file.
+// Loads a file; its path is what a description names, resolved against the description's file.
 using ArrayLoader = std::function<NamedArray(const std::string& path)>;
 
 // What is to be imported; the header's grid and channels are those of the first array.
 struct SliceImport {
   TableHeader header;
-  std::vector<std::string> files;  // one for each offset, [y][x] or [y][x][channel]
+  std::vector<std::string> files;  // resolved; one for each offset, [y][x] or [y][x][channel]
   bool together = false;           // one file: [offset][y][x] or [channel][offset][y][x]
 };
 

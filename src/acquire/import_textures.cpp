@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "acquire/import_path_internal.h"
 #include "acquire/provenance.h"
 #include "base/error.h"
 #include "base/parallel.h"
@@ -184,7 +185,7 @@ TextureImport read_texture_import(const Document& document, const ImageLoader& l
     throw_at(document, "one of the keys 'mean_free_path' and 'diffuse_mean_free_path'",
              path != nullptr ? "both" : "neither");
   if (diffuse != nullptr) import.radius = TextureRadius::diffuse_mean_free_path;
-  const std::string& albedo_name = as_string(get(document, "albedo"));
+  const std::string albedo_name = path_beside(document, as_string(get(document, "albedo")));
   import.albedo = load_image(albedo_name);
   check_range(import.albedo, albedo_name, 1);
   const Document& radius = diffuse != nullptr ? *diffuse : *path;
@@ -194,14 +195,15 @@ TextureImport read_texture_import(const Document& document, const ImageLoader& l
                                   static_cast<float>(as_number(radius, 1e-6, 1e6)) * scale_mm);
     return import;
   }
-  import.radius_mm = scale(load_data(as_string(radius)), scale_mm);
+  const std::string radius_name = path_beside(document, as_string(radius));
+  import.radius_mm = scale(load_data(radius_name), scale_mm);
   if (import.radius_mm.width != import.albedo.width ||
       import.radius_mm.height != import.albedo.height)
-    throw Error({as_string(radius), "size",
+    throw Error({radius_name, "size",
                  fmt::format("{} x {} pixels, as '{}' has", import.albedo.width,
                              import.albedo.height, albedo_name),
                  fmt::format("{} x {}", import.radius_mm.width, import.radius_mm.height)});
-  check_range(import.radius_mm, as_string(radius), std::numeric_limits<float>::max());
+  check_range(import.radius_mm, radius_name, std::numeric_limits<float>::max());
   return import;
 }
 

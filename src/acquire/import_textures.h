@@ -32,7 +32,8 @@ struct TextureImport {
 };
 
 // Reads and checks a description (docs/formats.md, "Imports"). Images of colours go through
-// load_image, of radii through load_data (values as stored).
+// load_image, of radii through load_data (values as stored), with paths resolved against the
+// description's file.
 TextureImport read_texture_import(const Document& document, const ImageLoader& load_image,
                                   const ImageLoader& load_data);
 

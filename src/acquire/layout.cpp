@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "base/names.h"
@@ -107,18 +108,34 @@ struct CheckLists {
   void operator()(const VeinsLayout&) const {}
 };
 
-void read_map(const Document& object, const ImageLoader& load_image, ImageLayout& layout) {
-  const Document& node = get(object, "image");
-  if (layout.image.empty()) throw_at(node, "the path of an image");
+Image read_image(const Document& node, const ImageLoader& load_image) {
+  const std::string& path = as_string(node);
+  if (path.empty()) throw_at(node, "the path of an image");
+  Image map;
   try {
     if (!load_image) throw Error({"", "", "", "no image loader"});
-    layout.map = load_image(layout.image);
+    map = load_image(path);
   } catch (const Error& error) {
     if (error.kind == ErrorKind::cancelled) throw;
     throw_at(node, "an image that can be read", error.what());
   }
-  if (layout.map.width < 1 || layout.map.height < 1)
+  if (map.width < 1 || map.height < 1)
     throw_at(node, "an image with at least one pixel", "an empty image");
+  return map;
+}
+
+void read_maps(const Document& object, const ImageLoader& load_image, ImageLayout& layout) {
+  const Document* stack = find(object, "images");
+  if (stack == nullptr) {
+    layout.map = read_image(get(object, "image"), load_image);
+    return;
+  }
+  if (find(object, "image") != nullptr) throw_at(*stack, "either 'image' or 'images'", "both");
+  const Document::Array& images = as_array(*stack);
+  if (images.empty()) throw_at(*stack, "at least one image");
+  for (const Document& node : images) layout.deeper.push_back(read_image(node, load_image));
+  layout.map = std::move(layout.deeper.front());
+  layout.deeper.erase(layout.deeper.begin());
 }
 
 }  // namespace
@@ -161,9 +178,12 @@ Layout read_layout(const Document& object, int materials, const ImageLoader& loa
                         : "at least two materials for this layout, or 'uniform'",
              fmt::format("{} with {} material{}", as_string(kind), materials,
                          materials == 1 ? "" : "s"));
-  read_params(object, describe(layout), {"kind"});
+  auto* image = std::get_if<ImageLayout>(&layout);
+  read_params(object, describe(layout),
+              image != nullptr ? std::vector<std::string>{"kind", "images"}
+                               : std::vector<std::string>{"kind"});
   std::visit(CheckLists{object, materials}, layout);
-  if (auto* image = std::get_if<ImageLayout>(&layout)) read_map(object, load_image, *image);
+  if (image != nullptr) read_maps(object, load_image, *image);
   return layout;
 }
 

@@ -73,11 +73,12 @@ struct MixingLayout {
 
 // A grey image stretched over the sample. Its linear luminance chooses: interpolated between the
 // materials, which stand at equal distances from 0 to 1; with thresholds, the material whose
-// interval it lies in.
+// interval it lies in. A stack of images, from the top down, shares the depth equally.
 struct ImageLayout {
   std::string image;
   std::vector<double> thresholds;
   Image map;
+  std::vector<Image> deeper;  // of a stack, the maps below the first
 };
 
 using Layout = std::variant<UniformLayout, ChessboardLayout, StonesLayout, VeinsLayout,
@@ -91,15 +92,24 @@ ParamList describe(Layout& layout);
 // The description's "layout" object for this number of materials. Errors name the place.
 Layout read_layout(const Document& object, int materials, const ImageLoader& load_image);
 
+// The pixels or voxels that weights are made for. `width` x `height` pixels are the sample, over
+// which images are stretched; a volume adds a margin around them and layers of depth.
 struct LayoutGrid {
   int width = 1;
   int height = 1;
   double pixel_pitch_mm = 1;
   int materials = 1;
   std::uint64_t seed = 1;
+  int margin = 0;      // pixels on every side
+  int layers = 1;      // voxels of depth, cubes
+  bool solid = false;  // the layout's random structures are made in space, not in the plane
+  // The layout at depth z is shifted by z times this: it follows lines tilted from the vertical.
+  double slant_x = 0;
+  double slant_y = 0;
 };
 
-// Weights [material][y][x]: means over 4 x 4 points per pixel.
+// Weights [material][z][y][x], means over points of each pixel or voxel: 4 x 4 in the plane, 2 x 2
+// x 2 with depth.
 std::vector<float> make_weights(const Layout& layout, const LayoutGrid& grid);
 
 }  // namespace parian

@@ -21,20 +21,9 @@ constexpr double max_radius_px = 512;
 constexpr double max_coefficient = 1000;  // 1/mm
 constexpr double min_scattering = 1e-6;   // 1/mm
 constexpr std::size_t max_materials = 16;
+constexpr double max_anisotropy = 0.99;
 
-struct BaseMaterial {
-  std::string name;
-  std::array<DipoleCoefficients, 3> channels;
-  std::optional<double> eta;  // of measured materials
-};
-
-// Continuous noise on the coefficients: factors e^{s n - s^2/2} of mean 1.
-struct Variation {
-  double relative = 0;
-  double length_mm = 2;
-  int octaves = 3;
-};
-ParamList describe(Variation& variation) {
+ParamList describe(SampleVariation& variation) {
   return {{.name = "relative",
            .help = "relative standard deviation",
            .target = &variation.relative,
@@ -53,21 +42,21 @@ ParamList describe(Variation& variation) {
 }
 
 // A number for all channels, or one per channel.
-std::array<double, 3> read_channels(const Document& node, int channels, double min) {
+std::array<double, 3> read_channels(const Document& node, int channels, double min,
+                                    double max = max_coefficient) {
   std::array<double, 3> values{};
   if (std::holds_alternative<double>(node.value)) {
-    values.fill(as_number(node, min, max_coefficient));
+    values.fill(as_number(node, min, max));
     return values;
   }
   const Document::Array& elements = as_array(node);
   if (elements.size() != static_cast<std::size_t>(channels))
     throw_at(node, channels == 1 ? "a number or an array of 1" : "a number or an array of 3");
-  for (std::size_t c = 0; c < elements.size(); ++c)
-    values[c] = as_number(elements[c], min, max_coefficient);
+  for (std::size_t c = 0; c < elements.size(); ++c) values[c] = as_number(elements[c], min, max);
   return values;
 }
 
-BaseMaterial read_measured(const Document& node, int channels) {
+SampleMaterial read_measured(const Document& node, int channels) {
   const NamedMaterial* named = nullptr;
   try {
     named = &find_named_material(as_string(node));
@@ -75,7 +64,7 @@ BaseMaterial read_measured(const Document& node, int channels) {
     if (error.parts.place != "material") throw;
     throw_at(node, error.parts.expected, error.parts.found);
   }
-  BaseMaterial material{.name = {}, .channels = named->channels, .eta = named->eta};
+  SampleMaterial material{.name = {}, .channels = named->channels, .eta = named->eta};
   if (channels == 1) material.channels.fill(named->channels[1]);  // green
   for (const DipoleCoefficients& medium : material.channels)
     if (medium.sigma_s_prime < min_scattering)
@@ -84,9 +73,9 @@ BaseMaterial read_measured(const Document& node, int channels) {
   return material;
 }
 
-BaseMaterial read_material(const Document& node, int channels) {
-  check_keys(node, {"name", "material", "sigma_a", "sigma_s_prime", "scale"});
-  BaseMaterial material;
+SampleMaterial read_material(const Document& node, int channels) {
+  check_keys(node, {"name", "material", "sigma_a", "sigma_s_prime", "g", "scale"});
+  SampleMaterial material;
   if (const Document* measured = find(node, "material")) {
     for (const char* key : {"sigma_a", "sigma_s_prime"})
       if (const Document* own = find(node, key))
@@ -100,6 +89,10 @@ BaseMaterial read_material(const Document& node, int channels) {
   }
   material.name = as_string(get(node, "name"));
   if (material.name.empty()) throw_at(get(node, "name"), "a name");
+  if (const Document* g = find(node, "g")) {
+    const auto values = read_channels(*g, channels, -max_anisotropy, max_anisotropy);
+    for (std::size_t c = 0; c < 3; ++c) material.channels[c].g = values[c];
+  }
   if (const Document* scale = find(node, "scale")) {
     const double factor = as_number(*scale, 1e-3, 1e3);
     for (DipoleCoefficients& medium : material.channels) {
@@ -110,11 +103,11 @@ BaseMaterial read_material(const Document& node, int channels) {
   return material;
 }
 
-std::vector<BaseMaterial> read_materials(const Document& node, int channels) {
+std::vector<SampleMaterial> read_materials(const Document& node, int channels) {
   const Document::Array& elements = as_array(node);
   if (elements.empty() || elements.size() > max_materials)
     throw_at(node, fmt::format("1 to {} materials", max_materials));
-  std::vector<BaseMaterial> materials;
+  std::vector<SampleMaterial> materials;
   for (const Document& element : elements) {
     materials.push_back(read_material(element, channels));
     for (std::size_t i = 0; i + 1 < materials.size(); ++i)
@@ -126,10 +119,10 @@ std::vector<BaseMaterial> read_materials(const Document& node, int channels) {
 }
 
 // The description's, or the one on which its measured materials agree, or 1.3.
-double read_eta(const Document& document, const std::vector<BaseMaterial>& materials) {
+double read_eta(const Document& document, const std::vector<SampleMaterial>& materials) {
   if (const Document* eta = find(document, "eta")) return as_number(*eta, 1, 2.5);
   std::optional<double> common;
-  for (const BaseMaterial& material : materials) {
+  for (const SampleMaterial& material : materials) {
     if (!material.eta) continue;
     if (common && *common != *material.eta)
       throw_at(document, "the key 'eta', since its measured materials differ in it",
@@ -164,7 +157,7 @@ void read_grid(const Document& document, Sample& sample) {
 }
 
 // sigma(x) = sum_m w_m(x) sigma_m
-void mix(const std::vector<BaseMaterial>& materials, const std::vector<float>& weights,
+void mix(const std::vector<SampleMaterial>& materials, const std::vector<float>& weights,
          Sample& sample) {
   const std::size_t pixels = sample.pixels();
   for (std::size_t c = 0; c < static_cast<std::size_t>(sample.channels); ++c)
@@ -179,23 +172,29 @@ void mix(const std::vector<BaseMaterial>& materials, const std::vector<float>& w
     }
 }
 
-// One field for sigma_a and one for sigma_s_prime, the same for all channels: hues stay.
-void vary(const Variation& variation, Sample& sample) {
-  const double s = std::sqrt(std::log1p(variation.relative * variation.relative));
+void vary(Sample& sample) {
   const auto width = static_cast<std::size_t>(sample.width);
-  const double scale = sample.pixel_pitch_mm / variation.length_mm;
   parallel_for(static_cast<std::size_t>(sample.height), [&](std::size_t y) {
-    for (std::size_t x = 0; x < width; ++x)
-      for (std::uint64_t field = 0; field < 2; ++field) {
-        const double noise = eval_fractal_noise(
-            hash_u64(sample.seed, 1000 + field), (static_cast<double>(x) + 0.5) * scale,
-            (static_cast<double>(y) + 0.5) * scale, variation.octaves);
-        const auto factor = static_cast<float>(std::exp(s * noise - s * s / 2));
-        std::vector<float>& planes = field == 0 ? sample.sigma_a : sample.sigma_s_prime;
-        for (std::size_t c = 0; c < static_cast<std::size_t>(sample.channels); ++c)
-          planes[c * sample.pixels() + y * width + x] *= factor;
+    for (std::size_t x = 0; x < width; ++x) {
+      const auto centre = [&](std::size_t i) {
+        return (static_cast<double>(i) + 0.5) * sample.pixel_pitch_mm;
+      };
+      const VariationFactors factors = eval_variation(sample, centre(x), centre(y), 0);
+      for (std::size_t c = 0; c < static_cast<std::size_t>(sample.channels); ++c) {
+        const std::size_t i = c * sample.pixels() + y * width + x;
+        sample.sigma_a[i] *= static_cast<float>(factors.sigma_a);
+        sample.sigma_s_prime[i] *= static_cast<float>(factors.sigma_s);
       }
+    }
   });
+}
+
+void read_depth(const Document& document, Sample& sample) {
+  const Document* node = find(document, "depth");
+  if (node == nullptr) return;
+  read_params(*node, describe(sample.depth));
+  if (sample.depth.thickness_mm > 0 && sample.depth.grid_mm > 0)
+    throw_at(get(*node, "grid_mm"), "no 'grid_mm' beside 'thickness_mm'", "both");
 }
 
 std::uint64_t read_seed(const Document& document, std::int64_t seed) {
@@ -209,9 +208,62 @@ std::uint64_t read_seed(const Document& document, std::int64_t seed) {
 
 }  // namespace
 
+ParamList describe(SampleDepth& depth) {
+  return {{.name = "thickness-mm",
+           .help = "of the sample; 0: half-infinite",
+           .target = &depth.thickness_mm,
+           .min = 0,
+           .max = 1000},
+          {.name = "grid-mm",
+           .help = "depth to which a half-infinite sample is described, below it stays as it is "
+                   "there; 0: the radius of the table",
+           .target = &depth.grid_mm,
+           .min = 0,
+           .max = 1000},
+          {.name = "voxels-per-pixel",
+           .help = "along each side of a pixel; voxels are cubes",
+           .target = &depth.voxels_per_pixel,
+           .min = 1,
+           .max = 16},
+          {.name = "margin-px",
+           .help = "pixels of the layout around the sample",
+           .target = &depth.margin_px,
+           .min = 0,
+           .max = 1024},
+          {.name = "tilt-deg",
+           .help = "of the lines along which the layout goes on below, against the vertical",
+           .target = &depth.tilt_deg,
+           .min = -85,
+           .max = 85},
+          {.name = "tilt-direction-deg",
+           .help = "into which they lean, against x",
+           .target = &depth.tilt_direction_deg,
+           .min = -360,
+           .max = 360},
+          {.name = "solid",
+           .help = "random structures in space: stones, not columns",
+           .target = &depth.solid}};
+}
+
+VariationFactors eval_variation(const Sample& sample, double x, double y, double z) {
+  const SampleVariation& variation = sample.variation;
+  if (variation.relative == 0) return {};
+  const double s = std::sqrt(std::log1p(variation.relative * variation.relative));
+  const double scale = 1 / variation.length_mm;
+  const auto factor = [&](std::uint64_t field) {
+    const std::uint64_t seed = hash_u64(sample.seed, 1000 + field);
+    const double noise =
+        sample.depth.solid
+            ? eval_fractal_noise(seed, x * scale, y * scale, z * scale, variation.octaves)
+            : eval_fractal_noise(seed, x * scale, y * scale, variation.octaves);
+    return std::exp(s * noise - s * s / 2);
+  };
+  return {factor(0), factor(1)};
+}
+
 Sample read_sample(const Document& document, const ImageLoader& load_image, std::int64_t seed) {
   check_keys(document, {"$schema", "name", "description", "materials", "layout", "pitch_mm", "size",
-                        "radius_px", "radius_mm", "channels", "eta", "seed", "variation"});
+                        "radius_px", "radius_mm", "channels", "eta", "seed", "variation", "depth"});
   Sample sample;
   sample.name = as_string(get(document, "name"));
   if (const Document* text = find(document, "description")) as_string(*text);
@@ -220,22 +272,26 @@ Sample read_sample(const Document& document, const ImageLoader& load_image, std:
     if (sample.channels == 2) throw_at(*channels, "1 or 3 channels");
   }
   read_grid(document, sample);
-  const auto materials = read_materials(get(document, "materials"), sample.channels);
-  sample.eta = read_eta(document, materials);
+  sample.materials = read_materials(get(document, "materials"), sample.channels);
+  sample.eta = read_eta(document, sample.materials);
   sample.seed = read_seed(document, seed);
-  const int count = static_cast<int>(materials.size());
-  const Layout layout = read_layout(get(document, "layout"), count, load_image);
-  Variation variation;
-  if (const Document* node = find(document, "variation")) read_params(*node, describe(variation));
+  const int count = static_cast<int>(sample.materials.size());
+  sample.layout = read_layout(get(document, "layout"), count, load_image);
+  if (const Document* node = find(document, "variation"))
+    read_params(*node, describe(sample.variation));
+  read_depth(document, sample);
 
   const auto channels = static_cast<std::size_t>(sample.channels);
   sample.sigma_a.resize(channels * sample.pixels());
   sample.sigma_s_prime.resize(channels * sample.pixels());
-  mix(materials,
-      make_weights(layout,
-                   {sample.width, sample.height, sample.pixel_pitch_mm, count, sample.seed}),
+  mix(sample.materials,
+      make_weights(sample.layout, {.width = sample.width,
+                                   .height = sample.height,
+                                   .pixel_pitch_mm = sample.pixel_pitch_mm,
+                                   .materials = count,
+                                   .seed = sample.seed}),
       sample);
-  if (variation.relative > 0) vary(variation, sample);
+  if (sample.variation.relative > 0) vary(sample);
   sample.description = document;
   set(sample.description, "seed", static_cast<double>(sample.seed));
   return sample;

@@ -2,9 +2,11 @@
 // not measured: every table made from one says so in its provenance.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,32 @@
 #include "material/slices.h"
 
 namespace parian {
+
+struct SampleMaterial {
+  std::string name;
+  std::array<DipoleCoefficients, 3> channels;
+  std::array<double, 3> g{};  // mean cosine of scattering; sigma_s = sigma_s_prime / (1 - g)
+  std::optional<double> eta;  // of measured materials
+};
+
+// Continuous noise on the coefficients: factors e^{s n - s^2/2} of mean 1.
+struct SampleVariation {
+  double relative = 0;
+  double length_mm = 2;
+  int octaves = 3;
+};
+
+// What the photon engine needs beside the plane: how the sample goes on below it and around it.
+struct SampleDepth {
+  double thickness_mm = 0;  // 0: half-infinite
+  double grid_mm = 0;       // of voxels in a half-infinite sample; 0: as deep as needed
+  int voxels_per_pixel = 1;
+  int margin_px = 8;  // of the layout around the sample; what is next to it goes on beyond
+  double tilt_deg = 0;
+  double tilt_direction_deg = 0;
+  bool solid = false;
+};
+ParamList describe(SampleDepth& depth);
 
 // Coefficients of every pixel, made from a description. Values count as points at pixel centres,
 // bilinear between them.
@@ -30,6 +58,11 @@ struct Sample {
   std::vector<float> sigma_a;        // [channel][y][x], 1/mm
   std::vector<float> sigma_s_prime;  // [channel][y][x], 1/mm, > 0
   Document description;              // with the seed that was used
+  // What they were made of, for volumes (photon_volume.h).
+  std::vector<SampleMaterial> materials;
+  Layout layout;
+  SampleVariation variation;
+  SampleDepth depth;
 
   std::size_t pixels() const {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -39,6 +72,13 @@ struct Sample {
 // Reads and checks a description (docs/samples.md, data/schema/sample.schema.json). Errors name
 // file and JSON pointer. `seed` replaces the description's when it is not negative.
 Sample read_sample(const Document& document, const ImageLoader& load_image, std::int64_t seed = -1);
+
+// One field for sigma_a and one for sigma_s, the same for all channels: factors at a point of the
+// plane, or with `solid` in space. Lengths in mm.
+struct VariationFactors {
+  double sigma_a = 1, sigma_s = 1;
+};
+VariationFactors eval_variation(const Sample& sample, double x, double y, double z);
 
 // The table of the analytic engine: the dipole at |x - y| with coefficients averaged along the
 // straight path from x to y (path_stencil.h). Slices are computed on demand, from any thread, and

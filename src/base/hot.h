@@ -11,3 +11,11 @@
 #endif
 
 #define PARIAN_RESTRICT __restrict__
+
+// Before a loop whose iterations touch places of their own, where a compiler cannot see that: what
+// it gathers by index is not what it stores.
+#if defined(__GNUC__) && !defined(__clang__)
+#define PARIAN_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define PARIAN_INDEPENDENT
+#endif

@@ -1,5 +1,6 @@
 #include "base/random.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -30,6 +31,18 @@ double sample_normal(Rng& rng) {
   const double u = 1.0 - sample_uniform(rng);
   const double v = sample_uniform(rng);
   return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
+}
+
+double sample_poisson(Rng& rng, double mean) {
+  if (mean <= 0) return 0;
+  if (mean > 50) return std::max(0.0, std::round(mean + std::sqrt(mean) * sample_normal(rng)));
+  const double limit = std::exp(-mean);
+  double count = -1, product = 1;
+  do {
+    product *= sample_uniform(rng);
+    count += 1;
+  } while (product > limit);
+  return count;
 }
 
 }  // namespace parian

@@ -18,6 +18,8 @@ std::uint32_t sample_u32(Rng& rng);
 double sample_uniform(Rng& rng);
 // Standard normal (Box-Muller, one of the pair).
 double sample_normal(Rng& rng);
+// A Poisson count; above a mean of 50 the rounded normal of the same variance.
+double sample_poisson(Rng& rng, double mean);
 
 // SplitMix64 finaliser (Steele, Lea, Flood 2014): a bijection with good avalanche.
 constexpr std::uint64_t hash_u64(std::uint64_t key) {

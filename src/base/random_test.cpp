@@ -51,5 +51,28 @@ TEST(Random, NormalHasMeanZeroAndVarianceOne) {
   EXPECT_NEAR(square / n, 1, 5 * std::sqrt(2.0 / n));
 }
 
+// Against the counts' probabilities, either side of where the normal takes over, and their moments.
+TEST(Random, PoissonCountsHaveTheirDistribution) {
+  Rng rng = make_rng(12);
+  constexpr int n = 100'000;
+  for (const double mean : {0.02, 0.7, 4.0, 45.0, 80.0}) {
+    double sum = 0, squares = 0, zeros = 0;
+    for (int i = 0; i < n; ++i) {
+      const double count = sample_poisson(rng, mean);
+      sum += count;
+      squares += (count - mean) * (count - mean);
+      zeros += count == 0;
+    }
+    EXPECT_NEAR(sum / n, mean, 5 * std::sqrt(mean / n)) << mean;
+    // The variance of squared deviations is mean + 2 mean^2.
+    EXPECT_NEAR(squares / n, mean + (mean > 50 ? 1.0 / 12 : 0.0),
+                5 * std::sqrt((mean + 2 * mean * mean) / n))
+        << mean;
+    const double none = std::exp(-mean);
+    EXPECT_NEAR(zeros / n, none, 5 * std::sqrt(none * (1 - none) / n) + 1e-12) << mean;
+  }
+  EXPECT_EQ(sample_poisson(rng, 0), 0);
+}
+
 }  // namespace
 }  // namespace parian

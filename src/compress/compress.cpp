@@ -11,6 +11,7 @@
 #include "compress/assign.h"
 #include "compress/log_objective.h"
 #include "compress/pair_objective.h"
+#include "fit/noise_fit.h"
 #include "fit/reduced_system.h"
 #include "material/bssrdf_table.h"
 #include "material/material.h"
@@ -76,6 +77,7 @@ std::vector<Offset> list_offsets(const ProfileMap& map, const SliceSource* table
   return offsets;
 }
 
+// Logarithms of the table, or, where it has a noise model, the fit's quadratic about the map.
 BlendObjective make_paper_objective(const ProfileMap& map, const SliceSource& table,
                                     const Progress& progress) {
   ReducedParams reduced;
@@ -85,8 +87,13 @@ BlendObjective make_paper_objective(const ProfileMap& map, const SliceSource& ta
   reduced.hold_out = map.hold_out;
   reduced.allow_unmeasured = true;
   std::vector<ReducedSystem> systems;
-  for (int c = 0; c < map.channels; ++c)
-    systems.push_back(make_reduced_system(table, c, reduced, progress));
+  const std::size_t unknowns = map.knots_mm.size() * map.pixels();
+  for (int c = 0; c < map.channels; ++c) {
+    const float* from = map.log_profile.data() + static_cast<std::size_t>(c) * unknowns;
+    systems.push_back(table.header().has_noise_model()
+                          ? make_noisy_system(table, c, reduced, {from, from + unknowns}, progress)
+                          : make_reduced_system(table, c, reduced, progress));
+  }
   return make_log_objective(std::move(systems));
 }
 
@@ -215,16 +222,14 @@ void advance(CompressState& state) {
   if (state.done) return;
   if (!state.run.done) {
     advance(*state.objective, state.run);
-  } else if (state.on_grid) {
-    state.done = true;
-    return;
-  } else if (static_cast<int>(state.run.params.per_pixel) < state.params.per_pixel) {
+  } else if (!state.on_grid &&
+             static_cast<int>(state.run.params.per_pixel) < state.params.per_pixel) {
     OptimiseParams params = state.run.params;
     ++params.per_pixel;
     state.run = make_optimise_state(*state.objective, std::move(state.run.mixture), params);
     if (state.run.done) return;
     advance(*state.objective, state.run);
-  } else if (wants_grid(state.params)) {
+  } else if (!state.on_grid && wants_grid(state.params)) {
     begin_grid(state);
   } else {
     state.done = true;

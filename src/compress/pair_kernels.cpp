@@ -112,7 +112,7 @@ PARIAN_HOT void add_product(const float* PARIAN_RESTRICT a, const float* PARIAN_
 
 }  // namespace
 
-void add_residual(const float* table, const float* model, const float* weight_x,
+void add_residual(const float* table, const float* model, const float* trust, const float* weight_x,
                   const float* weight_y, float share, std::size_t count, float* albedo_x,
                   float* albedo_y, float* squared_x, float* squared_y, float* linear_x,
                   float* linear_y, float* miss) {
@@ -122,7 +122,7 @@ void add_residual(const float* table, const float* model, const float* weight_x,
   add_product(miss, miss, share, count, squared_x);
   if (squared_y != nullptr) add_product(miss, miss, share, count, squared_y);
   // F has w_x m^2 at x and w_y m^2 at y; d ln R / d ln P is 1/2 at either end, 1 for x = y.
-  for (std::size_t i = 0; i < count; ++i) miss[i] *= share * model[i];
+  for (std::size_t i = 0; i < count; ++i) miss[i] *= share * trust[i] * model[i];
   add_product(miss, weight_x, 1, count, linear_x);
   add_product(miss, weight_y, 1, count, linear_x);
   if (linear_y == linear_x) return;

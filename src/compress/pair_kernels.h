@@ -37,9 +37,9 @@ void combine_ring(const float* g, const float* s, const float* weight, const flo
                   const float* const* sums, std::size_t count, float* gradient, float* error);
 
 // One row of pairs (x, y) of a table: with m = share (R* - R), 0 where R is NaN, -m goes to the
-// albedo and m (R* - R) to the squares of both ends (null: of x only), and (w_x + w_y) m R*, the
-// derivative by either end's ln P, to `linear`. `miss` is work space.
-void add_residual(const float* table, const float* model, const float* weight_x,
+// albedo and m (R* - R) to the squares of both ends (null: of x only), and (w_x + w_y) trust m
+// R*, the derivative by either end's ln P, to `linear`. `miss` is work space.
+void add_residual(const float* table, const float* model, const float* trust, const float* weight_x,
                   const float* weight_y, float share, std::size_t count, float* albedo_x,
                   float* albedo_y, float* squared_x, float* squared_y, float* linear_x,
                   float* linear_y, float* miss);

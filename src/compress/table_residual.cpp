@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "compress/pair_kernels.h"
+#include "fit/noise_kernels.h"
 
 namespace parian {
 namespace {
@@ -26,6 +27,20 @@ std::vector<PairRow> list_rows(const TableHeader& header, Offset offset) {
   return rows;
 }
 
+// How much of R - R* is expected not to be noise: s^2 / (s^2 + v), when the map's misfit has the
+// relative variance s^2 and the noise v.
+void weigh_residuals(const TableHeader& header, int channel, const float* model,
+                     std::vector<float>& trust) {
+  const auto c = static_cast<std::size_t>(channel);
+  const auto floor = static_cast<float>(header.noise_floor[c]),
+             gain = static_cast<float>(header.noise_gain[c]);
+  for (std::size_t i = 0; i < trust.size(); ++i) {
+    const float misfit = model_error * model_error * model[i] * model[i];
+    const float noise = floor * floor + gain * model[i];
+    trust[i] = noise > 0 ? misfit / (misfit + noise) : 1.0f;
+  }
+}
+
 }  // namespace
 
 TableResidual measure_residual(const SliceSource& table, const ProfileMap& map,
@@ -37,6 +52,7 @@ TableResidual measure_residual(const SliceSource& table, const ProfileMap& map,
                          std::vector<float>(pixels, 0.0f),
                          std::vector<float>(channels * knots * pixels, 0.0f)};
   std::vector<float> model(pixels), miss(pixels), linear(pixels);
+  std::vector<float> trust(pixels, 1.0f);
   for_each_slice(
       table, progress, "reading the table", [&](int channel, int index, const float* slice) {
         const Offset offset = header.offsets[static_cast<std::size_t>(index)];
@@ -46,12 +62,14 @@ TableResidual measure_residual(const SliceSource& table, const ProfileMap& map,
         const float share = header.symmetric || own ? 1.0f : 0.5f;
         const auto c = static_cast<std::size_t>(channel);
         eval_slice(map, channel, offset, model.data());
+        if (header.has_noise_model()) weigh_residuals(header, channel, model.data(), trust);
         std::fill(linear.begin(), linear.end(), 0.0f);
         float* albedo = &residual.albedo[c * pixels];
         for (const PairRow& row : list_rows(header, offset))
-          add_residual(slice + row.from, model.data() + row.from, weight.data() + row.from,
-                       weight.data() + row.to, share, row.count, albedo + row.from,
-                       own ? nullptr : albedo + row.to, residual.squared.data() + row.from,
+          add_residual(slice + row.from, model.data() + row.from, trust.data() + row.from,
+                       weight.data() + row.from, weight.data() + row.to, share, row.count,
+                       albedo + row.from, own ? nullptr : albedo + row.to,
+                       residual.squared.data() + row.from,
                        own ? nullptr : residual.squared.data() + row.to, linear.data() + row.from,
                        linear.data() + row.to, miss.data());
         const auto above = std::upper_bound(map.knots_mm.begin(), map.knots_mm.end(), r);

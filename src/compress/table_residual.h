@@ -14,6 +14,9 @@ struct TableResidual {
   std::vector<float> linear;
 };
 
+// Of a table with a noise model, sums over pairs take all values as they are: noise has mean 0. In
+// `linear` each R* - R is multiplied by what of it is expected not to be noise.
+//
 // `weight` w [y][x]. Pairs within the last knot count where they are measured, each in both
 // directions, (0,0) once; a table that lists both directions counts each at half.
 TableResidual measure_residual(const SliceSource& table, const ProfileMap& map,

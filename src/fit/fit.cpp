@@ -4,11 +4,13 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <optional>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "fit/monotone.h"
+#include "fit/noise_fit.h"
 #include "fit/solve.h"
 
 namespace parian {
@@ -118,6 +120,99 @@ Progress part_of(const Progress& progress, int channel, int channels) {
   return part;
 }
 
+// Everything that goes on from channel to channel.
+struct Run {
+  const SliceSource& table;
+  const FitParams& params;
+  const ReducedParams& reduced;
+  FitResult& result;
+  Stopwatch watch;
+  std::optional<SharedSolver> shared;
+  std::vector<double> p;
+  SolveStart start;
+};
+
+void count_pairs(const ReducedSystem& system, FitChannelReport& report) {
+  report.pairs = system.pairs;
+  report.missing = system.not_measured;
+  report.not_positive = system.not_positive;
+  report.held_out = system.held_out;
+}
+
+// Fills and projects p, and stores it. `energy` gives E of a changed p.
+void finish_channel(Run& run, const ReducedSystem& system, FitChannelReport report,
+                    const std::function<double()>& energy) {
+  FitReport& all = run.result.report;
+  if (run.params.fill_unmeasured) all.pixels_filled += fill_holes(run.table, system, run.p);
+  if (run.params.monotone) {
+    report.profiles_touched = project_monotone(system, run.p);
+    if (report.profiles_touched > 0) report.energy_monotone = energy();
+    all.seconds_monotone += run.watch.lap();
+  }
+  store(run.p, system.channel, run.result.map);
+  all.channels.push_back(report);
+}
+
+void fit_logarithms(Run& run, int channel, const Progress& progress) {
+  const FitParams& params = run.params;
+  const ReducedSystem system = make_reduced_system(run.table, channel, run.reduced, progress);
+  run.result.report.seconds_stream += run.watch.lap();
+  if (!run.shared || !shares_hessian(system, run.shared->geometry)) {
+    run.shared.reset();  // free before the next is made
+    run.start.product = {};
+    const bool exact = params.tolerance < single_precision_tolerance;
+    Hessian hessian = make_hessian(system, ProductMethod::automatic, exact);
+    Preconditioner preconditioner = make_preconditioner(system, hessian);
+    run.shared.emplace(
+        SharedSolver{without_data(system), std::move(hessian), std::move(preconditioner)});
+  }
+  const std::vector<double> profile = fit_mean_profile(system);
+  if (run.start.deviation.empty()) run.p = make_constant_field(system, profile);
+  const SolveReport solved = solve_reduced(system, run.shared->hessian, run.shared->preconditioner,
+                                           {params.tolerance, params.max_iterations}, profile,
+                                           run.p, progress, &run.start);
+  refuse_bad_solution(run.table, channel, solved);
+  run.result.report.seconds_solve += run.watch.lap();
+
+  FitChannelReport report;
+  report.energy = report.energy_monotone = solved.energy;
+  report.iterations = solved.iterations;
+  report.relative_residual = solved.relative_residual;
+  report.converged = solved.relative_residual <= params.tolerance;
+  count_pairs(system, report);
+  finish_channel(run, system, report,
+                 [&] { return eval_energy(system, run.shared->hessian, run.p.data()); });
+}
+
+void fit_with_noise(Run& run, int channel, const Progress& progress) {
+  NoisyFitParams noisy;
+  noisy.spread = run.params.spread;
+  noisy.max_iterations = run.params.max_iterations;
+  NoisyFit fit = fit_noisy(run.table, channel, run.reduced, noisy, progress);
+  run.p = std::move(fit.p);
+  FitChannelReport report;
+  report.energy = report.energy_monotone = eval_noisy_energy(run.table, run.reduced, fit, run.p);
+  report.iterations = fit.iterations;
+  report.steps = fit.steps;
+  report.relative_residual = fit.relative_residual;
+  report.converged = fit.last_step <= noisy.tolerance;
+  refuse_bad_solution(run.table, channel, {fit.iterations, fit.relative_residual, report.energy});
+  count_pairs(fit.system, report);
+  run.result.report.seconds_solve += run.watch.lap();
+  finish_channel(run, fit.system, report,
+                 [&] { return eval_noisy_energy(run.table, run.reduced, fit, run.p); });
+}
+
+// Whether the fit goes by the table's noise model.
+bool uses_noise(const SliceSource& table, const FitParams& params) {
+  if (params.noise_model && table.header().has_noise_model()) return true;
+  if (params.weight == PairWeight::noise)
+    throw Error({table.name(), "weight 'noise'",
+                 "a table with a noise model (noise_floor, noise_gain)",
+                 table.header().has_noise_model() ? "--no-noise-model" : "none"});
+  return false;
+}
+
 }  // namespace
 
 FitResult fit_profiles(const SliceSource& table, const FitParams& params,
@@ -133,49 +228,11 @@ FitResult fit_profiles(const SliceSource& table, const FitParams& params,
   reduced.allow_unmeasured = params.fill_unmeasured;
 
   FitResult result{make_map(header, params, reduced.knots_mm), {}};
-  std::optional<SharedSolver> shared;
-  std::vector<double> p;
-  SolveStart start;
+  Run run{table, params, reduced, result, {}, {}, {}, {}};
+  const bool noisy = uses_noise(table, params);
   for (int channel = 0; channel < header.channels; ++channel) {
     const Progress part = part_of(progress, channel, header.channels);
-    Stopwatch watch;
-    FitChannelReport report;
-    const ReducedSystem system = make_reduced_system(table, channel, reduced, part);
-    result.report.seconds_stream += watch.lap();
-
-    if (!shared || !shares_hessian(system, shared->geometry)) {
-      shared.reset();  // free before the next is made
-      start.product = {};
-      const bool exact = params.tolerance < single_precision_tolerance;
-      Hessian hessian = make_hessian(system, ProductMethod::automatic, exact);
-      Preconditioner preconditioner = make_preconditioner(system, hessian);
-      shared.emplace(
-          SharedSolver{without_data(system), std::move(hessian), std::move(preconditioner)});
-    }
-    const std::vector<double> profile = fit_mean_profile(system);
-    if (start.deviation.empty()) p = make_constant_field(system, profile);
-    const SolveReport solved =
-        solve_reduced(system, shared->hessian, shared->preconditioner,
-                      {params.tolerance, params.max_iterations}, profile, p, part, &start);
-    refuse_bad_solution(table, channel, solved);
-    result.report.seconds_solve += watch.lap();
-
-    report.energy = report.energy_monotone = solved.energy;
-    report.iterations = solved.iterations;
-    report.relative_residual = solved.relative_residual;
-    report.pairs = system.pairs;
-    report.missing = system.not_measured;
-    report.not_positive = system.not_positive;
-    report.held_out = system.held_out;
-    if (params.fill_unmeasured) result.report.pixels_filled += fill_holes(table, system, p);
-    if (params.monotone) {
-      report.profiles_touched = project_monotone(system, p);
-      if (report.profiles_touched > 0)
-        report.energy_monotone = eval_energy(system, shared->hessian, p.data());
-      result.report.seconds_monotone += watch.lap();
-    }
-    store(p, channel, result.map);
-    result.report.channels.push_back(report);
+    noisy ? fit_with_noise(run, channel, part) : fit_logarithms(run, channel, part);
   }
   return result;
 }
@@ -188,7 +245,9 @@ Document to_document(const FitReport& report) {
     set(entry, "energy", channel.energy);
     set(entry, "energy_monotone", channel.energy_monotone);
     set(entry, "relative_residual", channel.relative_residual);
+    set(entry, "converged", channel.converged);
     set(entry, "iterations", channel.iterations);
+    set(entry, "steps", channel.steps);
     set(entry, "pairs", channel.pairs);
     set(entry, "missing", channel.missing);
     set(entry, "not_positive", channel.not_positive);

@@ -13,7 +13,7 @@ enum class PairWeight {
   uniform,            // 1, the 2009 paper
   inverse_quadratic,  // 1 / (1 + r^2), r in pixels, the 2019 paper
   energy,             // mean of R_d at that offset, relative to its maximum, per channel
-  noise,              // R^2 / (R^2 + variance of R) per pair: re-streams the table
+  noise,              // none by distance: tables with a noise model only
 };
 
 struct FitParams {
@@ -23,6 +23,8 @@ struct FitParams {
   double lambda = 0.01;          // weight of the curvature rows (Eq. 9)
   PairWeight weight = PairWeight::inverse_quadratic;
   bool monotone = true;
+  bool noise_model = true;  // use the table's, where it has one
+  double spread = 1.5;      // of ln P about the mean profile, where noise hides it
   double tolerance = 1e-5;  // relative residual of the normal equations
   int max_iterations = 200;
   double hold_out = 0;  // fraction of the pairs kept out of the fit

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/random.h"
+#include "fit/reduced_system.h"
 #include "material/bssrdf_table.h"
 
 namespace parian {
@@ -57,6 +58,28 @@ inline void remove_pairs(BssrdfTable& table, double fraction, std::uint64_t seed
         if (hash_to_uniform(hash_u64(hash_u64(seed, x), i)) < fraction)
           slice[x] = std::numeric_limits<float>::quiet_NaN();
     }
+}
+
+// Photon counts of `gain` each and normal noise of `floor`, with the noise model that says so.
+inline void add_noise(BssrdfTable& table, double gain, double floor, std::uint64_t seed) {
+  const auto channels = static_cast<std::size_t>(table.header.channels);
+  table.header.noise_gain.assign(channels, gain);
+  table.header.noise_floor.assign(channels, floor);
+  Rng rng = make_rng(seed);
+  for (float& value : table.reflectance) {
+    if (std::isnan(value)) continue;
+    double noisy = static_cast<double>(value);
+    if (gain > 0) noisy = gain * sample_poisson(rng, noisy / gain);
+    value = static_cast<float>(noisy + floor * sample_normal(rng));
+  }
+}
+
+// Knots a pixel of make_test_table apart.
+inline ReducedParams make_test_params(int segments) {
+  ReducedParams params;
+  params.lambda = 0.1;
+  for (int k = 0; k <= segments; ++k) params.knots_mm.push_back(0.5 * k);
+  return params;
 }
 
 }  // namespace parian

@@ -106,9 +106,8 @@ void add_local(const CurvatureBands& bands, const Blocks<Real>& blocks, std::siz
   }
 }
 
-// out += lambda^2 L^T L p
 template <typename Real>
-void add_curvature(const ReducedSystem& system, const Real* p, Real* out) {
+void add_bands(const ReducedSystem& system, const Real* p, Real* out) {
   const CurvatureBands bands = curvature_bands(system);
   const std::size_t pixels = system.pixels(), knots = system.knots();
   parallel_for(knots, [&](std::size_t k) {
@@ -178,12 +177,19 @@ void apply(const ReducedSystem& system, const Hessian& hessian, const Real* p, R
   } else {
     std::fill_n(out, system.unknowns(), Real(0));
     add_pairs(system, p, out);
-    add_curvature(system, p, out);
+    add_bands(system, p, out);
   }
   run(hooks.after);
 }
 
 }  // namespace
+
+void add_curvature(const ReducedSystem& system, const float* p, float* out) {
+  add_bands(system, p, out);
+}
+void add_curvature(const ReducedSystem& system, const double* p, double* out) {
+  add_bands(system, p, out);
+}
 
 void apply_hessian(const ReducedSystem& system, const Hessian& hessian, const double* p,
                    double* out, HessianWorkspace& workspace) {

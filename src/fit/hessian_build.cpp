@@ -155,6 +155,11 @@ CurvatureBands curvature_bands(const ReducedSystem& system) {
     bands.first[k + 1] += s * m * r;
     bands.second[k] += s * l * r;
   }
+  for (std::size_t k = 0; k < system.slope_weight.size(); ++k) {
+    bands.main[k] += system.slope_weight[k];
+    bands.main[k + 1] += system.slope_weight[k];
+    bands.first[k] -= system.slope_weight[k];
+  }
   return bands;
 }
 
@@ -184,8 +189,9 @@ Hessian make_hessian(const ReducedSystem& system, ProductMethod method, bool exa
 bool shares_hessian(const ReducedSystem& system, const ReducedSystem& other) {
   if (system.restream != nullptr || other.restream != nullptr) return false;
   if (system.width != other.width || system.height != other.height ||
-      system.knots_mm != other.knots_mm || system.offsets != other.offsets ||
-      system.pair_count != other.pair_count || system.weights.size() != other.weights.size())
+      system.knots_mm != other.knots_mm || system.slope_weight != other.slope_weight ||
+      system.offsets != other.offsets || system.pair_count != other.pair_count ||
+      system.weights.size() != other.weights.size())
     return false;
   for (std::size_t q = 0; q < system.weights.size(); ++q)
     if (system.weights[q].u != other.weights[q].u || system.weights[q].phi != other.weights[q].phi)

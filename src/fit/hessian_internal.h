@@ -7,7 +7,8 @@
 
 namespace parian {
 
-// lambda^2 L^T L, L the second differences over knots: a symmetric pentadiagonal matrix.
+// lambda^2 L^T L, L the second differences over knots, and the slope weights' part: a symmetric
+// pentadiagonal matrix.
 struct CurvatureBands {
   std::vector<double> main, first, second;
 };
@@ -38,6 +39,9 @@ void multiply_block(double* here, const double* above, double* previous, const d
 // out += sum over pairs of W (Q(x) + Q(x + d)) spread to both ends, pair by pair.
 void add_pairs(const ReducedSystem& system, const float* p, float* out);
 void add_pairs(const ReducedSystem& system, const double* p, double* out);
+// out += the regulariser's part of H p.
+void add_curvature(const ReducedSystem& system, const float* p, float* out);
+void add_curvature(const ReducedSystem& system, const double* p, double* out);
 bool has_missing(const ReducedSystem& system);
 // out -= the same over the listed missing pairs.
 void subtract_missing(const ReducedSystem& system, const float* p, float* out);

@@ -15,14 +15,6 @@ double distance_weight(PairWeight weight, Offset offset) {
               static_cast<double>(offset.dy) * offset.dy);
 }
 
-// R^2 / (R^2 + variance): the variance of ln R is variance / R^2.
-double noise_weight(const TableHeader& header, int channel, double value) {
-  const auto c = static_cast<std::size_t>(channel);
-  const double floor = header.noise_floor[c];
-  const double variance = floor * floor + header.noise_gain[c] * value;
-  return value * value / (value * value + variance);
-}
-
 }  // namespace
 
 std::vector<WeightTerm> make_weight_terms(const ReducedSystem& system,
@@ -46,7 +38,6 @@ std::vector<WeightTerm> make_weight_terms(const ReducedSystem& system,
 }
 
 bool has_pair_weights(const ReducedSystem& system) {
-  if (system.pair_weight == PairWeight::noise) return true;
   if (system.weights.size() != 1) return true;
   return !system.weights[0].u.empty();
 }
@@ -85,10 +76,6 @@ void fill_pair_weights(const ReducedSystem& system, const TableHeader& header, s
         sum += term.u.empty() ? term.phi[i]
                               : term.phi[i] * static_cast<double>(term.u[pixel]) *
                                     static_cast<double>(term.u[partner]);
-      // With noise weights phi is their mean, kept for the preconditioner only.
-      if (system.pair_weight == PairWeight::noise)
-        sum = (sum != 0 || system.weights[0].u.empty() ? 1.0 : 0.0) *
-              noise_weight(header, system.channel, static_cast<double>(slice[pixel]));
     }
     weight[x] = static_cast<float>(sum);
   }

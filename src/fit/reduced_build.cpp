@@ -12,7 +12,9 @@
 #include "base/check.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "fit/noise_step.h"
 #include "fit/pair_weights.h"
+#include "fit/reduced_internal.h"
 #include "fit/reduced_system.h"
 #include "fit/stream_kernels.h"
 
@@ -67,6 +69,11 @@ Frame make_frame(const ReducedSystem& system) {
   return frame;
 }
 
+// Of a measured value: logarithms need positive ones.
+bool takes_part(const Build& build, float value) {
+  return build.params.about != nullptr || value >= std::numeric_limits<float>::min();
+}
+
 // Pairs of this slice that take no part: lists them, and makes their values NaN.
 void list_missing(Build& build, std::size_t i, float* slice, OffsetSums& sums) {
   ReducedSystem& system = build.system;
@@ -81,7 +88,7 @@ void list_missing(Build& build, std::size_t i, float* slice, OffsetSums& sums) {
       float& value = slice[pixel];
       if (std::isnan(value)) {
         ++sums.not_measured;
-      } else if (!(value >= std::numeric_limits<float>::min())) {
+      } else if (!takes_part(build, value)) {
         ++sums.not_positive;
       } else if (hold_out && is_held_out(system.hold_out, x, y, offset)) {
         ++sums.held_out;
@@ -111,6 +118,37 @@ void mark_seen(Build& build, Offset offset, const float* slice) {
     if (!std::isnan(slice[build.suspects[s]]) || (before_inside && !std::isnan(slice[before])))
       build.seen[s] = true;
   }
+}
+
+// Reads one slice into the frame as weighted residuals about a field; returns the factor of its
+// contributions.
+double load_residuals(Build& build, std::size_t i, std::vector<float>& slice, Frame& frame) {
+  ReducedSystem& system = build.system;
+  const TableHeader& header = build.table.header();
+  OffsetSums& sums = build.sums[i];
+  build.table.read_slice(system.channel, system.table_index[i], slice.data());
+  const PixelRange range = pairs_in_grid(header, system.offsets[i]);
+  const auto in_grid =
+      static_cast<std::size_t>(std::max(0, range.x1 - range.x0) * std::max(0, range.y1 - range.y0));
+  const auto count_known = [&] {
+    std::size_t known = 0;
+    for (std::size_t x = 0; x < system.pixels(); ++x) known += std::isnan(slice[x]) ? 0u : 1u;
+    return known;
+  };
+  sums.known = count_known();
+  if (system.hold_out.fraction > 0 || sums.known != in_grid) {
+    list_missing(build, i, slice.data(), sums);
+    sums.known = count_known();
+  }
+  if (!build.suspects.empty()) mark_seen(build, system.offsets[i], slice.data());
+  for (std::size_t x = 0; x < system.pixels(); ++x) sums.not_positive += slice[x] <= 0 ? 1u : 0u;
+  const NoiseStep& step = *build.params.about;
+  const NoiseSums noise =
+      eval_noise_offset(system, step, i, header, slice.data(), frame.row(0), frame.stride);
+  sums.squares = noise.squares;
+  system.weights[0].phi[i] =
+      sums.known > 0 ? step.phi[i] * noise.weight / static_cast<double>(sums.known) : 0;
+  return system.pair_count[i];
 }
 
 // Reads one slice into the frame as (weighted) 2 ln R; returns the factor of its contributions.
@@ -148,7 +186,6 @@ double load_offset(Build& build, std::size_t i, std::vector<float>& slice, Frame
   // General weights: multiply them in, row by row.
   sums.squares = 0;
   std::vector<float> weight(static_cast<std::size_t>(system.width));
-  double weight_sum = 0;
   for (int y = 0; y < system.height; ++y) {
     fill_pair_weights(system, build.table.header(), i, y, slice.data(), weight.data());
     float* row = frame.row(y);
@@ -156,11 +193,8 @@ double load_offset(Build& build, std::size_t i, std::vector<float>& slice, Frame
       sums.squares += static_cast<double>(weight[x]) * static_cast<double>(row[x]) *
                       static_cast<double>(row[x]);
       row[x] *= weight[x];
-      weight_sum += static_cast<double>(weight[x]);
     }
   }
-  if (system.pair_weight == PairWeight::noise)
-    system.weights[0].phi[i] = known > 0 ? weight_sum / known : 0;
   return system.pair_count[i];
 }
 
@@ -184,7 +218,9 @@ void build_segment(Build& build, int segment, Scratch& scratch, const Progress& 
     std::array<Offset, batch_size> offsets{};
     for (std::size_t j = 0; j < batch_size && begin + j < members.size(); ++j) {
       const std::size_t i = members[begin + j];
-      const double factor = load_offset(build, i, scratch.slice, frames[j]);
+      const double factor = build.params.about != nullptr
+                                ? load_residuals(build, i, scratch.slice, frames[j])
+                                : load_offset(build, i, scratch.slice, frames[j]);
       a[j] = factor * (1 - system.fraction[i]);
       b[j] = factor * system.fraction[i];
       offsets[j] = system.offsets[i];
@@ -209,7 +245,7 @@ void find_suspects(Build& build) {
   std::vector<float> slice(system.pixels());
   build.table.read_slice(system.channel, centre, slice.data());
   for (std::size_t i = 0; i < slice.size(); ++i)
-    if (!(slice[i] >= std::numeric_limits<float>::min()))
+    if (std::isnan(slice[i]) || !takes_part(build, slice[i]))
       build.suspects.push_back(static_cast<std::uint32_t>(i));
   build.seen = std::vector<std::atomic<bool>>(build.suspects.size());
 }
@@ -234,7 +270,8 @@ void add_up(Build& build) {
   });
   for (std::size_t i = 0; i < system.offsets.size(); ++i) {
     const OffsetSums& sums = build.sums[i];
-    const double phi = has_pair_weights(system) ? 1 : system.weights[0].phi[i];
+    const bool weighted = build.params.about != nullptr || has_pair_weights(system);
+    const double phi = weighted ? 1 : system.weights[0].phi[i];
     system.constant += 0.5 * system.pair_count[i] * phi * sums.squares;
     system.pairs += static_cast<std::size_t>(system.pair_count[i]) * sums.known;
     system.not_measured += sums.not_measured;
@@ -250,50 +287,10 @@ std::vector<std::uint32_t> never_seen(const Build& build) {
   return pixels;
 }
 
-void place_offsets(const TableHeader& header, const ReducedParams& params, ReducedSystem& system) {
-  const auto& knots = params.knots_mm;
-  for (std::size_t d = 0; d < header.offsets.size(); ++d) {
-    const double r = length_px(header.offsets[d]) * header.pixel_pitch_mm;
-    if (r > knots.back() * (1 + 1e-9)) continue;
-    const auto above =
-        std::upper_bound(knots.begin(), knots.end(), r * (1 + 1e-12)) - knots.begin();
-    const auto upper =
-        static_cast<std::size_t>(std::min<std::ptrdiff_t>(above, std::ssize(knots) - 1));
-    const double fraction = (r - knots[upper - 1]) / (knots[upper] - knots[upper - 1]);
-    system.offsets.push_back(header.offsets[d]);
-    system.table_index.push_back(static_cast<int>(d));
-    system.pair_count.push_back(pair_count(header, header.offsets[d]));
-    system.segment.push_back(static_cast<int>(upper) - 1);
-    system.fraction.push_back(std::clamp(fraction, 0.0, 1.0));
-  }
-}
-
-ReducedSystem make_geometry(const SliceSource& table, int channel, const ReducedParams& params) {
-  const TableHeader& header = table.header();
-  PARIAN_CHECK(params.knots_mm.size() >= 2 && params.knots_mm[0] == 0);
-  PARIAN_CHECK_LT(channel, header.channels);
-  ReducedSystem system;
-  system.width = header.width;
-  system.height = header.height;
-  system.pixel_pitch_mm = header.pixel_pitch_mm;
-  system.knots_mm = params.knots_mm;
-  system.lambda = params.lambda;
-  system.channel = channel;
-  system.pair_weight = params.weight;
-  system.hold_out = params.hold_out;
-  place_offsets(header, params, system);
-  system.weights = make_weight_terms(system, params);
-  system.missing.resize(system.offsets.size());
-  return system;
-}
-
 // The pass itself. Returns the pixels without any pair.
 std::vector<std::uint32_t> stream(const SliceSource& table, const ReducedParams& params,
                                   ReducedSystem& system, const Progress& progress) {
-  if (system.pair_weight == PairWeight::noise && !table.header().has_noise_model())
-    throw Error({table.name(), "weight 'noise'",
-                 "a table with a noise model (noise_floor, noise_gain)", "none"});
-  if (system.pair_weight == PairWeight::noise) system.restream = &table;
+  PARIAN_CHECK(system.pair_weight != PairWeight::noise);  // noise_fit.h has it
   system.right_hand_side.assign(system.unknowns(), 0.0);
   Build build{table, params, system, std::vector<OffsetSums>(system.offsets.size()), {}, {}, {}};
   build.high.resize((system.knots() - 1) * system.pixels());  // set segment by segment
@@ -322,9 +319,10 @@ std::vector<std::uint32_t> stream(const SliceSource& table, const ReducedParams&
   add_up(build);
   if (system.pair_weight == PairWeight::energy && params.weights.empty())
     normalise_energy_weights(system);
-  if (build.listed >= missing_per_unknown * system.unknowns()) system.restream = &table;
-  if (system.restream != nullptr) {  // products see what is missing when they read the table
+  if (build.listed >= missing_per_unknown * system.unknowns()) {
     for (auto& list : system.missing) list = {};
+    // Products see what is missing when they read the table; those of a step may do without.
+    if (params.about == nullptr) system.restream = &table;
   }
   return never_seen(build);
 }

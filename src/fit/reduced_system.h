@@ -54,8 +54,11 @@ struct ReducedSystem {
   std::vector<double> right_hand_side;  // b
   double constant = 0;                  // c
 
-  // Set when per-pair weights or very many missing pairs do not fit the form above: products then
-  // read the table again, and `weights` only serves the preconditioner. Must outlive the system.
+  // Adds 1/2 sum_k slope_weight[k] (p_{k+1} - p_k)^2 to E; knots - 1 values, or none.
+  std::vector<double> slope_weight;
+
+  // Set when very many missing pairs do not fit the form above: products then read the table again,
+  // and `weights` only serves the preconditioner. Must outlive the system.
   const SliceSource* restream = nullptr;
   int channel = 0;
   PairWeight pair_weight = PairWeight::uniform;
@@ -73,6 +76,8 @@ struct ReducedSystem {
   std::size_t unknowns() const { return knots() * pixels(); }
 };
 
+struct NoiseStep;  // noise_step.h
+
 struct ReducedParams {
   std::vector<double> knots_mm;
   double lambda = 0.01;
@@ -81,6 +86,9 @@ struct ReducedParams {
   bool allow_unmeasured = false;  // pixels without a measured pair are masked instead of an error
   std::vector<WeightTerm>
       weights;  // instead of `weight`, phi per offset of the table; may be empty
+  // Instead of 2 ln R, residuals about a field: b is minus the gradient of their part of E there,
+  // `weights` the mean weights of its pairs and c its value. `weight` must be uniform.
+  const NoiseStep* about = nullptr;
 };
 
 // Streams one channel of the table once. Throws Error naming the pixel when one has no measured

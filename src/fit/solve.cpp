@@ -200,36 +200,19 @@ void refine(Solver& s, std::vector<double>& p) {
 
 }  // namespace
 
-std::vector<double> fit_mean_profile(const ReducedSystem& system) {
-  const std::size_t knots = system.knots(), pixels = system.pixels();
-  // The hats, coupled through the pairs of each offset. A pair count per offset is enough:
-  // boundaries and missing pairs only change how often a pair counts, and the start needs no more
-  // than that.
-  Eigen::MatrixXd normal =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(knots), static_cast<Eigen::Index>(knots));
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(knots));
+std::vector<double> solve_profile(const ReducedSystem& system, const std::vector<double>& weight,
+                                  const std::vector<double>& right) {
+  const std::size_t knots = system.knots();
+  const auto n = static_cast<Eigen::Index>(knots);
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
   for (std::size_t i = 0; i < system.offsets.size(); ++i) {
-    const double in_grid =
-        std::max(0.0, static_cast<double>(system.width - std::abs(system.offsets[i].dx))) *
-        std::max(0, system.height - std::abs(system.offsets[i].dy));
-    const double known = in_grid - static_cast<double>(system.missing[i].size());
-    double phi = 0;
-    for (const WeightTerm& term : system.weights) phi += term.phi[i];
-    const double w = 4 * system.pair_count[i] * phi * known;
     const auto k = static_cast<Eigen::Index>(system.segment[i]);
-    const double f = system.fraction[i];
+    const double f = system.fraction[i], w = weight[i];
     normal(k, k) += w * (1 - f) * (1 - f);
     normal(k, k + 1) += w * f * (1 - f);
     normal(k + 1, k) += w * f * (1 - f);
     normal(k + 1, k + 1) += w * f * f;
   }
-  for (std::size_t k = 0; k < knots; ++k)
-    right(static_cast<Eigen::Index>(k)) =
-        parallel_sum(pixels, block, [&](std::size_t begin, std::size_t end) {
-          double sum = 0, squares = 0;
-          sums_block(&system.right_hand_side[k * pixels + begin], end - begin, &sum, &squares);
-          return sum;
-        });
   // A little curvature settles knots that no offset sees.
   const double smooth = 1e-6 * normal.diagonal().maxCoeff() + 1e-300;
   for (std::size_t k = 0; k + 2 < knots; ++k) {
@@ -239,8 +222,33 @@ std::vector<double> fit_mean_profile(const ReducedSystem& system) {
     normal.block<3, 3>(first, first) += smooth * row * row.transpose();
   }
   normal.diagonal().array() += 1e-12 * smooth;
-  const Eigen::VectorXd profile = normal.ldlt().solve(right);
+  const Eigen::VectorXd profile =
+      normal.ldlt().solve(Eigen::Map<const Eigen::VectorXd>(right.data(), n));
   return {profile.data(), profile.data() + profile.size()};
+}
+
+std::vector<double> fit_mean_profile(const ReducedSystem& system) {
+  const std::size_t pixels = system.pixels();
+  // The hats, coupled through the pairs of each offset. A pair count per offset is enough:
+  // boundaries and missing pairs only change how often a pair counts, and the start needs no more
+  // than that.
+  std::vector<double> weight, right;
+  for (std::size_t i = 0; i < system.offsets.size(); ++i) {
+    const double in_grid =
+        std::max(0.0, static_cast<double>(system.width - std::abs(system.offsets[i].dx))) *
+        std::max(0, system.height - std::abs(system.offsets[i].dy));
+    const double known = in_grid - static_cast<double>(system.missing[i].size());
+    double phi = 0;
+    for (const WeightTerm& term : system.weights) phi += term.phi[i];
+    weight.push_back(4 * system.pair_count[i] * phi * known);
+  }
+  for (std::size_t k = 0; k < system.knots(); ++k)
+    right.push_back(parallel_sum(pixels, block, [&](std::size_t begin, std::size_t end) {
+      double sum = 0, squares = 0;
+      sums_block(&system.right_hand_side[k * pixels + begin], end - begin, &sum, &squares);
+      return sum;
+    }));
+  return solve_profile(system, weight, right);
 }
 
 SolveReport solve_reduced(const ReducedSystem& system, const Hessian& hessian,

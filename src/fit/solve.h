@@ -28,6 +28,11 @@ struct SolveReport {
 // The profile that minimises E when every pixel has the same.
 std::vector<double> fit_mean_profile(const ReducedSystem& system);
 
+// The profile for which that quadratic is sum_i weight_i ((sum_k c_k(|d_i|) p_k)^2 - ...) with the
+// linear term `right` per knot.
+std::vector<double> solve_profile(const ReducedSystem& system, const std::vector<double>& weight,
+                                  const std::vector<double>& right);
+
 // What the solve of another channel leaves to the next one: channels resemble each other.
 struct SolveStart {
   AlignedVector<float> deviation;  // x = p - profile; empty before the first solve

@@ -90,7 +90,7 @@ TEST(Precompute, RefusesMeshesThatAreNotClosed) {
   scene.mesh.triangles.resize(scene.mesh.triangles.size() / 2);
   const RayTracer tracer(scene.mesh);
   try {
-    Precompute(scene, tracer, quick_params());
+    const Precompute refused(scene, tracer, quick_params());
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(std::string(error.what()).find("ball: faces: expected a closed surface, found "), 0u);

@@ -23,12 +23,12 @@ class Demo(program.ProgramTest):
         links = Links()
         links.feed(page)
         self.assertEqual(len(links.pictures), len(set(links.pictures)))
-        self.assertEqual(len(links.pictures), 2 * (12 + 3 + 1) + 4)
+        self.assertEqual(len(links.pictures), 3 * (12 + 3 + 1) + 4)
         for name in links.pictures:
             self.assertEqual(self.read_bytes(f"out/demo/{name}")[:4], b"\x89PNG", name)
         self.assertIn("simulated, not measured", page)
         self.assertIn("was not fetched", page)  # the shape that stands in for the dragon
-        for name in ("chessboard", "stone"):
+        for name in ("chessboard", "stone", "embedded"):
             report = self.read_json(f"out/demo/{name}-errors.json")
             self.assertIn(f"{100 * report['relative_error']['mean']:.2f} %", page)
 
@@ -37,7 +37,7 @@ class Demo(program.ProgramTest):
         lines = (self.folder / "demo/index.html").read_text().split("\n")
         commands = [line.removeprefix("<pre>").split() for line in lines
                     if line.removeprefix("<pre>").startswith("parian ")]
-        self.assertEqual(len(commands), 1 + 2 * 12)
+        self.assertEqual(len(commands), 1 + 3 * 12)
         before = {name: self.read_bytes(name)
                   for name in ("demo/chessboard.h5", "demo/stone-map.h5", "demo/stone-fit.json",
                                "demo/stone-errors.json", "demo/stone-errors.png",

@@ -83,6 +83,31 @@ class Import(program.ProgramTest):
         # ln 1.1 + ln 0.9 = -0.01: the mean of logarithms, or of values, is within it.
         self.assertLess(abs(raw - own), 0.01)
 
+    def test_noise_takes_part_in_the_fit(self):
+        """Counts with zeros, and what a fit of logarithms makes of them."""
+        values = self.write_slices(noise_gain=1e-2)
+        random = numpy.random.default_rng(4)
+        with h5py.File(self.folder / "table.h5") as table:
+            offsets = table["offsets"][:].tolist()
+        for d, (dx, dy) in enumerate(offsets):
+            plane = values[:, d].astype(float)
+            known = ~numpy.isnan(plane)
+            plane[known] = 1e-2 * random.poisson(plane[known] / 1e-2)
+            numpy.save(self.folder / f"slice_{dx}_{dy}.npy", numpy.moveaxis(plane, 0, -1))
+        self.succeed("import", "slices.json", "-o", "noisy.h5")
+        text = self.succeed("fit", "noisy.h5", "-o", "map.h5", "--json", "fit.json")
+        self.assertIn("by the noise model", text)
+        fit = self.read_json("fit.json")["channels"][0]
+        self.assertGreater(fit["not_positive"], 50)
+        self.assertTrue(fit["converged"])
+        self.succeed("fit", "noisy.h5", "-o", "logs.h5", "--no-noise-model", "--quiet")
+        errors = []
+        for name in ("map.h5", "logs.h5"):
+            self.succeed("compare", "table.h5", name, "--json", "errors.json", "--quiet")
+            errors.append(self.read_json("errors.json")["log_rms"])
+        self.assertLess(errors[0], 0.7 * errors[1])
+        self.succeed("compress", "noisy.h5", "-o", "noisy.kbm", "-M", "16", "--quiet")
+
     def test_textures_become_a_map(self):
         import_json = {"kind": "textures", "pitch_mm": 0.5, "albedo": "albedo.exr",
                        "mean_free_path": 0.4, "model": "dipole"}
@@ -102,6 +127,32 @@ class Import(program.ProgramTest):
         self.write_json("bad.json", {"kind": "tables"})
         self.fail_with(1, "bad.json: /kind: expected 'slices' or 'textures', found 'tables'",
                        "import", "bad.json", "-o", "again.h5")
+        (self.folder / "sub").mkdir()
+        numpy.save(self.folder / "sub/a.npy", numpy.ones((5, 6)))
+        numpy.save(self.folder / "sub/b.npy", numpy.ones((4, 6)))
+        numpy.save(self.folder / "sub/rgb.npy", numpy.ones((5, 6, 3)))
+        zero = numpy.ones((5, 6))
+        zero[2, 3] = 0
+        numpy.save(self.folder / "sub/zero.npy", zero)
+
+        def fails(message, *files, **changes):
+            self.write_json("sub/s.json", {"kind": "slices", "pitch_mm": 0.5,
+                                           "offsets": [[0, 0], [1, 0]], "files": files, **changes})
+            self.fail_with(1, message, "import", "sub/s.json", "-o", "again.h5")
+
+        fails("sub/b.npy: shape: expected [5][6], as 'sub/a.npy' has, found [4][6]", "a.npy", "b.npy")
+        fails("sub/rgb.npy: shape: expected [5][6], as 'sub/a.npy' has, found [5][6][3]",
+              "a.npy", "rgb.npy")
+        fails("sub/c.npy: expected a readable file, found no such file", "a.npy", "c.npy")
+        fails("sub/c.tif: expected a name that ends in .npy or .exr, found .tif", "a.npy", "c.tif")
+        fails("sub/zero.npy: reflectance[0][1][2][3] (channel, offset, y, x): expected a value > 0 or "
+              "NaN, as the table has no noise model, found 0", "a.npy", "zero.npy")
+        fails("sub/s.json: offsets: expected both directions of each offset, as symmetric = 0: "
+              "(-1, 0), found only (1, 0)", "a.npy", "a.npy", symmetric=False)
+        self.write_json("sub/t.json", {"kind": "textures", "pitch_mm": 0.5, "albedo": "a.png",
+                                       "mean_free_path": 1})
+        self.fail_with(1, "sub/a.png: expected a readable file, found no such file",
+                       "import", "sub/t.json", "-o", "again.h5")
         (self.folder / "slice_0_0.npy").write_bytes(b"hello")
         self.fail_with(1, "slice_0_0.npy: expected a .npy file, found no NumPy signature",
                        "import", "slices.json", "-o", "again.h5")

@@ -3,168 +3,77 @@
 
 usage: studio_test.py PARIAN SOURCE_DIR [--keep FOLDER]
 
-Opens, orbits, scribbles, changes the range, undoes, picks, paints, compresses, saves, crashes and
-recovers. The program says in a file (--probe) what its state is and where its widgets are; the
-test moves a real pointer there. With --keep screenshots and figures stay in FOLDER.
+Opens, orbits, scribbles, changes the range, undoes, picks, paints, stamps, compresses, saves, meets
+broken files and tiny windows, crashes and recovers. With --keep screenshots stay in FOLDER.
 """
 
 import json
-import os
+import math
 import pathlib
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 import time
 
-TIMEOUT = 60
+from studio_driver import TIMEOUT, Display, Studio
 
-
-class Display:
-    def __init__(self):
-        read, write = os.pipe()
-        self.process = subprocess.Popen(
-            ["Xvfb", "-displayfd", str(write), "-screen", "0", "1440x900x24", "-nolisten", "tcp"],
-            pass_fds=[write],
-            stderr=subprocess.DEVNULL,
-        )
-        os.close(write)
-        with os.fdopen(read) as stream:
-            self.name = ":" + stream.readline().strip()
-        assert self.name != ":", "Xvfb did not start"
-
-    def stop(self):
-        self.process.terminate()
-        self.process.wait()
-
-
-class Studio:
-    def __init__(self, program, display, folder, files=()):
-        self.folder = folder
-        self.probe = folder / "probe.json"
-        self.probe.unlink(missing_ok=True)
-        self.env = dict(os.environ, DISPLAY=display.name)
-        self.env.pop("WAYLAND_DISPLAY", None)
-        self.started = time.monotonic()
-        self.process = subprocess.Popen(
-            [program, "studio", *files, "--probe", self.probe, "--state", folder / "state",
-             "--screenshots", folder],
-            env=self.env,
-            stdout=subprocess.DEVNULL,
-            stderr=open(folder / "stderr.txt", "w"),
-        )
-        self.until(lambda s: "picture" in s, "a first picture")
-        self.first_picture_s = time.monotonic() - self.started
-        window = self.xdotool("search", "--sync", "--onlyvisible", "--name", "Parian Studio")
-        self.xdotool("windowfocus", "--sync", window.split()[-1])
-
-    def xdotool(self, *words):
-        done = subprocess.run(["xdotool", *map(str, words)], env=self.env, capture_output=True,
-                              text=True, timeout=TIMEOUT)
-        assert done.returncode == 0, f"xdotool {words}: {done.stderr}"
-        return done.stdout.strip()
-
-    def state(self):
-        try:
-            return json.loads(self.probe.read_text())
-        except FileNotFoundError:
-            return {}
-
-    def until(self, holds, what):
-        end = time.monotonic() + TIMEOUT
-        state = {}
-        while time.monotonic() < end:
-            code = self.process.poll()
-            assert code is None, (f"waiting for {what}: the program ended with {code}: "
-                                  + (self.folder / "stderr.txt").read_text())
-            state = self.state()
-            if state and holds(state):
-                return state
-            time.sleep(0.05)
-        state.pop("widgets", None)
-        raise AssertionError(f"no {what} within {TIMEOUT} s: {json.dumps(state)[:3000]}")
-
-    def settle(self):
-        time.sleep(0.15)
-        return self.until(lambda s: s["settled"], "settled state")
-
-    def place(self, widget, u=0.5, v=0.5):
-        box = self.until(lambda s: widget in s["widgets"], f"widget '{widget}'")["widgets"][widget]
-        return (round(box[0] + u * (box[2] - box[0])), round(box[1] + v * (box[3] - box[1])))
-
-    def click(self, widget, u=0.5, v=0.5, keys=()):
-        x, y = self.place(widget, u, v)
-        self.xdotool("mousemove", x, y)
-        time.sleep(0.15)
-        for key in keys:
-            self.xdotool("keydown", key)
-        time.sleep(0.1)
-        self.xdotool("mousedown", 1)
-        time.sleep(0.1)
-        self.xdotool("mouseup", 1)
-        time.sleep(0.1)
-        for key in keys:
-            self.xdotool("keyup", key)
-        time.sleep(0.1)
-
-    def drag(self, widget, points):
-        places = [self.place(widget, *point) for point in points]
-        self.xdotool("mousemove", *places[0])
-        time.sleep(0.15)
-        self.xdotool("mousedown", 1)
-        for (x0, y0), (x1, y1) in zip(places, places[1:]):
-            for i in range(1, 5):
-                self.xdotool("mousemove", x0 + (x1 - x0) * i // 4, y0 + (y1 - y0) * i // 4)
-                time.sleep(0.06)
-        time.sleep(0.1)
-        self.xdotool("mouseup", 1)
-
-    def key(self, name):
-        self.xdotool("key", name)
-        time.sleep(0.2)
-
-    def type_into(self, widget, text):
-        self.click(widget)
-        self.key("ctrl+a")
-        self.xdotool("type", "--delay", "40", text)
-        time.sleep(0.3)
-
-    def screenshot(self, name):
-        before = set(self.folder.glob("parian-*.png"))
-        self.xdotool("mousemove", 5, 880)
-        time.sleep(0.2)
-        self.key("F12")
-        self.until(lambda s: set(self.folder.glob("parian-*.png")) - before, "screenshot")
-        self.until(lambda s: any("screenshot" in m for m in s["messages"]), "screenshot message")
-        (made,) = set(self.folder.glob("parian-*.png")) - before
-        assert made.stat().st_size > 20000, f"{name}: {made.stat().st_size} bytes"
-        made.rename(self.folder / f"studio-{name}.png")
+WIDTH, HEIGHT = 1280, 720
 
 
 def source(state, layer):
-    return state["layers"][layer]["source"]
+    return state["layers"][layer].get("source", {})
+
+
+def count_layers(studio, count, what):
+    return studio.until(lambda s: len(s["layers"]) == count, what)
+
+
+def choose_draft(studio):
+    """Pictures stay as they are while something moves: the quick ones."""
+    studio.choose("still", "draft")
+    studio.until(lambda s: s["still"] == "draft", "drafts")
 
 
 def check_orbit(studio):
     before = studio.settle()
     studio.drag("view", [(0.4, 0.5), (0.6, 0.45)])
-    after = studio.until(lambda s: s["yaw_deg"] != before["yaw_deg"], "turned camera")
+    after = studio.settle()
     assert abs(after["yaw_deg"] - before["yaw_deg"]) > 10, after["yaw_deg"]
-    studio.settle()
+    assert after["brightness"] != before["brightness"]
     studio.click("tool/light")
     studio.drag("view", [(0.5, 0.5), (0.3, 0.5)])
-    lit = studio.until(lambda s: s["azimuth_deg"] != before["azimuth_deg"], "turned lamp")
-    assert lit["yaw_deg"] == after["yaw_deg"]
-    assert studio.settle()["brightness"] != after["brightness"]
+    lit = studio.settle()
+    assert lit["azimuth_deg"] != before["azimuth_deg"] and lit["yaw_deg"] == after["yaw_deg"]
+    assert lit["brightness"] != after["brightness"]
+    # The right button turns the lamp with any tool, and with Ctrl the environment.
+    studio.click("tool/orbit")
+    studio.drag("view", [(0.5, 0.5), (0.4, 0.5)], button=3, held="ctrl")
+    turned = studio.until(lambda s: s["rotation_deg"] != 0, "turned environment")
+    assert turned["azimuth_deg"] == lit["azimuth_deg"] and turned["yaw_deg"] == lit["yaw_deg"]
+    studio.move(*studio.place("view"))
+    studio.xdotool("click", 4)
+    studio.until(lambda s: s["distance_mm"] < before["distance_mm"], "zoom")
+    studio.key("f")
+    studio.until(lambda s: abs(s["distance_mm"] / before["distance_mm"] - 1) < 0.01, "framed mesh")
+
+
+def check_undo_of_light(studio):
+    """The light is undone like an edit."""
+    turned = studio.settle()["rotation_deg"]
+    studio.key("ctrl+z")
+    studio.until(lambda s: s["rotation_deg"] == 0, "undone environment")
+    studio.key("ctrl+y")
+    studio.until(lambda s: s["rotation_deg"] == turned, "redone environment")
 
 
 def check_scribble(studio):
     studio.click("tool/scribble +")
     studio.drag("flat", [(0.5, 0.6), (0.6, 0.7)])
-    state = studio.until(lambda s: len(s["layers"]) == 1, "layer of the scribble")
+    state = count_layers(studio, 1, "layer of the scribble")
     layer = source(state, 0)
     assert layer["operation"] == "adjust" and layer["selection"]["type"] == "propagate", layer
+    state = studio.until(lambda s: "selected" in s["layers"][0], "selection")
     assert 0.01 < state["layers"][0]["selected"] < 0.9, state["layers"][0]["selected"]
     studio.click("tool/scribble -")
     studio.drag("flat", [(0.1, 0.45), (0.2, 0.5)])
@@ -175,10 +84,7 @@ def check_scribble(studio):
 
 def check_range(studio):
     before = studio.settle()
-    studio.click("param/range_scale", u=0.25, keys=["ctrl"])
-    studio.key("ctrl+a")
-    studio.xdotool("type", "--delay", "40", "0.25")
-    studio.key("Return")
+    studio.set_number("param/range_scale", "0.25")
     studio.until(lambda s: source(s, 0).get("range_scale") == 0.25, "changed range")
     after = studio.settle()
     assert abs(after["brightness"] - before["brightness"]) > 1e-3, after["brightness"]
@@ -186,14 +92,13 @@ def check_range(studio):
     # A drag is one entry of the history.
     entries = len(after["history"])
     studio.drag("param/albedo_scale", [(0.2, 0.5), (0.1, 0.5), (0.05, 0.5)])
-    state = studio.until(lambda s: "albedo_scale" in source(s, 0), "dragged albedo")
+    studio.until(lambda s: "albedo_scale" in source(s, 0), "dragged albedo")
     state = studio.settle()
     assert len(state["history"]) == entries + 1, state["history"]
     return after
 
 
 def check_undo(studio):
-    studio.xdotool("mousemove", 5, 880)
     studio.key("ctrl+z")
     state = studio.until(lambda s: "albedo_scale" not in source(s, 0), "undone albedo")
     assert source(state, 0)["range_scale"] == 0.25
@@ -201,6 +106,15 @@ def check_undo(studio):
     studio.until(lambda s: "range_scale" not in source(s, 0), "undone range")
     studio.key("ctrl+y")
     studio.until(lambda s: source(s, 0).get("range_scale") == 0.25, "redone range")
+    # Back to the start in one step, and forth again.
+    rows = len(studio.settle()["history"])
+    studio.click("history/0", u=0.2)
+    count_layers(studio, 0, "the map as opened")
+    last = max(int(name.split("/")[1]) for name in studio.settle()["widgets"]
+               if name.startswith("history/"))
+    assert last > rows, (last, rows)  # the light's entries are there too
+    studio.click(f"history/{last - 1}", u=0.2)
+    studio.until(lambda s: s["layers"] and source(s, 0).get("range_scale") == 0.25, "redone all")
 
 
 def check_paint(studio):
@@ -209,81 +123,215 @@ def check_paint(studio):
     studio.until(lambda s: s["picked"], "picked profile")
     studio.click("tool/paint")
     studio.drag("flat", [(0.45, 0.1), (0.55, 0.2)])
-    state = studio.until(lambda s: len(s["layers"]) == 2, "painted layer")
+    state = count_layers(studio, 2, "painted layer")
     assert source(state, 1)["operation"] == "blend", source(state, 1)
-    # On the mesh the same stroke tool paints the map under the pointer.
-    studio.drag("view", [(0.35, 0.2), (0.38, 0.22)])
-    state = studio.until(lambda s: len(source(s, 1)["selection"]["of"]) >= 2, "stroke on the mesh")
+    before = studio.settle()
+    strokes = len(source(before, 1)["selection"]["of"])
+    # On the mesh the same tool paints the map under the pointer.
+    studio.drag("view", [(0.19, 0.30), (0.22, 0.26)])
+    state = studio.until(lambda s: len(source(s, 1)["selection"]["of"]) > strokes, "mesh stroke")
     assert len(state["layers"]) == 2
+    assert studio.settle()["brightness"] != before["brightness"]
+
+
+def check_brush_and_stamp(studio):
+    """A brush widens the selected layer's selection, or makes a layer over one of another kind."""
+    studio.click("tool/brush")
+    strokes = len(source(studio.state(), 1)["selection"]["of"])
+    studio.drag("view", [(0.8, 0.5), (0.82, 0.55)])
+    studio.until(lambda s: len(source(s, 1)["selection"]["of"]) > strokes, "wider selection")
+    studio.click("layer/0", u=0.3)
+    studio.until(lambda s: s["selected_layer"] == 0, "selected scribble")
+    studio.drag("view", [(0.8, 0.5), (0.82, 0.55)])
+    state = count_layers(studio, 3, "brushed layer")
+    assert source(state, 1)["selection"]["type"] == "union"
+    studio.click("tool/stamp")
+    studio.drag("flat", [(0.1, 0.1), (0.35, 0.4)])
+    studio.message("pattern taken")
+    studio.click("flat", 0.6, 0.6)
+    state = count_layers(studio, 4, "stamped layer")
+    assert [layer["source"]["operation"] for layer in state["layers"]] == [
+        "adjust", "adjust", "paste", "blend"], state["layers"]
+    studio.settle()
+
+
+def check_layers(studio):
+    """Add, change, move, switch off, remove."""
+    studio.click("add layer")
+    studio.click("add layer/filter", u=0.1)
+    state = count_layers(studio, 5, "filter")
+    assert source(state, 3)["operation"] == "filter"
+    studio.set_number("param/sigma_mm", "2.5")
+    studio.until(lambda s: source(s, 3).get("sigma_mm") == 2.5, "its width")
+    studio.set_number("param/opacity", "0.5")
+    studio.until(lambda s: source(s, 3).get("opacity") == 0.5, "its opacity")
+    studio.click("layer/3/down")
+    studio.until(lambda s: source(s, 2)["operation"] == "filter", "moved layer")
+    before = studio.settle()
+    studio.click("layer/2/on")
+    studio.until(lambda s: source(s, 2).get("enabled") is False, "layer that is off")
+    assert studio.settle()["brightness"] != before["brightness"]
+    studio.leave_widgets()
+    studio.key("Delete")
+    count_layers(studio, 4, "removed filter")
+    # What needs something first says so.
+    studio.click("add layer")
+    studio.click("add layer/interpolate", u=0.1)
+    studio.message("scribble first")
+    for layer in (2, 1):
+        studio.click(f"layer/{layer}/remove")
+        count_layers(studio, layer + 1, "fewer layers")
+    studio.click("layer/1", u=0.3)
+    studio.settle()
+
+
+def check_second_material(studio, folder):
+    studio.menu("file", "export map")
+    studio.in_file_dialog(folder, "other.h5")
+    studio.message("saved")
+    studio.menu("file", "second")
+    studio.in_file_dialog(folder, "other.h5")
+    studio.until(lambda s: s["second"].endswith("other.h5"), "second material")
+    studio.click("tool/pick")
+    studio.click("flat", 0.5, 0.5)
+    studio.choose("flat source", "this map")
+    studio.click("tool/paint")
+    studio.drag("flat", [(0.8, 0.8), (0.9, 0.9)])
+    state = count_layers(studio, 3, "layer with a profile of the second material")
+    assert source(state, 2)["from"]["map"].endswith("other.h5"), source(state, 2)
+    studio.key("ctrl+z")
+    count_layers(studio, 2, "undone paint")
 
 
 def check_modes(studio):
     seen = set()
     for mode in ["albedo", "range", "irradiance", "difference", "wireframe", "shaded"]:
-        studio.click("view mode")
-        studio.click("view mode/" + mode)
-        state = studio.until(lambda s: s["mode"] == mode, f"mode {mode}")
+        studio.choose("view mode", mode)
+        studio.until(lambda s: s["mode"] == mode, f"mode {mode}")
         seen.add(round(studio.settle()["brightness"], 3))
         if mode in ("range", "difference"):
             studio.screenshot(mode)
     assert len(seen) == 6, seen
-    for mode in ["uniform", "selection", "beam", "albedo"]:
-        studio.click("flat mode")
-        studio.click("flat mode/" + mode)
+    for mode in ["uniform", "disc", "line", "selection", "beam", "albedo"]:
+        studio.choose("flat mode", mode)
         studio.until(lambda s: s["flat_mode"] == mode, f"flat mode {mode}")
         studio.settle()
 
 
-def check_compress(studio):
+def check_profile(studio):
+    """The shape curve is dragged: one layer, one entry."""
+    entries = len(studio.settle()["history"])
+    studio.drag("shape handle 2", [(0.5, 0.5), (0.5, -1.5)])
+    state = count_layers(studio, 3, "layer of the shape curve")
+    assert source(state, 2)["operation"] == "shape"
+    assert len(studio.settle()["history"]) <= entries + 2
+    while len(studio.settle()["layers"]) == 3:
+        studio.key("ctrl+z")
+
+
+def check_compress(studio, folder):
     studio.click("tab/Compress")
     studio.click("compress")
-    state = studio.until(lambda s: s["compressed"] >= 3 and s["settled"], "compressions")
-    studio.click("compressed/0", u=0.05)
-    shown = studio.until(lambda s: s["picture"] > state["picture"] and s["settled"], "its picture")
-    assert shown["brightness"] != state["brightness"]
+    studio.until(lambda s: s["compressed"] >= 4, "compressions")
+    state = studio.settle()
+    studio.click("rate/0")
+    shown = studio.until(lambda s: s["shown_compressed"] == 0, "chosen point")
+    assert studio.settle()["brightness"] != state["brightness"]
     studio.screenshot("compress")
+    studio.menu("file", "export blend")
+    studio.in_file_dialog(folder, "made.kbm")
+    studio.until(lambda s: (folder / "made.kbm").exists(), "exported blend")
     studio.click("compressed/none", u=0.05)
+    studio.until(lambda s: s["shown_compressed"] == -1, "the map again")
     studio.click("tab/Layers")
+    return shown
 
 
-def check_homogeneous(studio):
+def write_ball(path, rings=24):
+    """A mesh of a few hundred vertices, whose transport is ready soon."""
+    points, faces = [(0, 1, 0)], []
+    for i in range(1, rings):
+        a = math.pi * i / rings
+        points += [(math.sin(a) * math.cos(b), math.cos(a), math.sin(a) * math.sin(b))
+                   for b in (math.pi * k / rings for k in range(2 * rings))]
+    points.append((0, -1, 0))
+    n, last = 2 * rings, len(points) - 1
+    for k in range(n):
+        m = (k + 1) % n
+        faces += [(0, 1 + m, 1 + k), (last, last - n + k, last - n + m)]
+        for i in range(rings - 2):
+            u, v = 1 + i * n, 1 + (i + 1) * n
+            faces += [(u + k, u + m, v + k), (u + m, v + m, v + k)]
+    lines = ["ply", "format ascii 1.0", f"element vertex {len(points)}",
+             *(f"property float {axis}" for axis in "xyz"), f"element face {len(faces)}",
+             "property list uchar int vertex_indices", "end_header",
+             *(" ".join(map(str, point)) for point in points),
+             *(f"3 {a} {b} {c}" for a, b, c in faces)]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def check_homogeneous(studio, folder):
+    write_ball(folder / "ball.ply")
+    studio.key("ctrl+o")
+    studio.in_file_dialog(folder, "ball.ply")
+    studio.until(lambda s: s["mesh"].endswith("ball.ply"), "another mesh")
     studio.click("tab/Material")
     before = studio.settle()
     studio.click("homogeneous", u=0.1)
     studio.until(lambda s: s["homogeneous"], "homogeneous material")
-    state = studio.settle()
-    assert state["brightness"] != before["brightness"]
-    studio.click("measured")
-    studio.click("measured/Ketchup")
-    ketchup = studio.settle()
-    assert ketchup["brightness"] != state["brightness"]
+    studio.choose("measured", "Ketchup")
+    # Once nothing moves the transport is computed; then pictures come from it.
+    live = studio.until(lambda s: s.get("live") and s["settled"], "precomputed transport")
+    assert live["brightness"] != before["brightness"]
+    studio.drag("absorption, 1/mm/r", [(0.2, 0.5), (0.3, 0.5), (0.4, 0.5)])
+    after = studio.settle()
+    assert after["live"] and after["brightness"] != live["brightness"]
     studio.screenshot("homogeneous")
+    update_ms = after["live_ms"]["project"] + after["live_ms"]["update"]
+    studio.key("ctrl+z")
+    assert abs(studio.settle()["brightness"] - live["brightness"]) < 0.01
     studio.click("homogeneous", u=0.1)
     studio.until(lambda s: not s["homogeneous"], "map again")
     studio.click("tab/Layers")
+    return update_ms
+
+
+def check_windows(studio):
+    """No size of the window ends the program, and borders are dragged."""
+    for width, height in [(1, 1), (300, 20), (40, 500), (WIDTH, HEIGHT)]:
+        studio.xdotool("windowsize", studio.window, width, height)
+        studio.until(lambda s: s["input"]["width"] == width and s["input"]["height"] == height,
+                     f"window of {width} x {height}")
+    before = studio.settle()["widgets"]["view"]
+    studio.drag("split/map", [(0.5, 0.5), (-10, 0.5)])
+    after = studio.settle()["widgets"]["view"]
+    assert after[2] < before[2] - 20, (before, after)
+    studio.key("F1")
+    studio.key("F1")
 
 
 def check_save(studio, folder):
-    studio.xdotool("mousemove", 5, 880)
     studio.key("ctrl+s")
-    studio.type_into("file/folder", str(folder))
-    studio.type_into("file/name", "made.json")
-    studio.click("file/ok")
-    studio.until(lambda s: any("saved" in m for m in s["messages"]), "saved recipe")
-    assert (folder / "made.json").exists(), studio.state()["messages"]
+    studio.in_file_dialog(folder, "made.json")
+    studio.until(lambda s: (folder / "made.json").exists(), "saved recipe")
     recipe = json.loads((folder / "made.json").read_text())
     assert [layer["operation"] for layer in recipe["layers"]] == ["adjust", "blend"], recipe
 
 
 def check_errors(studio, folder):
     (folder / "broken.ply").write_text("ply\nno")
-    for name, part in [("no-such-file.h5", "no-such-file.h5"), ("broken.ply", "broken.ply")]:
-        studio.xdotool("mousemove", 5, 880)
+    (folder / "broken.json").write_text('{"layers": [{"operation": "adjst"}]}')
+    (folder / "broken.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(50))
+    layers = studio.state()["layers"]
+    for name in ["no-such-file.h5", "broken.ply", "broken.h5", "broken.json"]:
+        count = len(studio.state()["messages"])
         studio.key("ctrl+o")
-        studio.type_into("file/folder", str(folder))
-        studio.type_into("file/name", name)
-        studio.click("file/ok")
-        studio.until(lambda s: any(part in m for m in s["messages"]), f"message about {name}")
+        studio.in_file_dialog(folder, name)
+        studio.until(lambda s: any(name in m for m in s["messages"][count:]), f"message on {name}")
+    studio.screenshot("error")
+    studio.click("notice/close")
+    # All that was there still is.
+    assert studio.settle()["layers"] == layers
 
 
 def check_recipe(program, source_dir, folder):
@@ -294,15 +342,16 @@ def check_recipe(program, source_dir, folder):
                     folder / "edited.h5", "--quiet"], check=True)
 
 
-def run(program, source_dir, folder, figures):
-    display = Display()
+def first_session(program, display, folder, figures):
+    studio = Studio(program, display, folder, width=WIDTH, height=HEIGHT)
     try:
-        studio = Studio(program, display, folder)
         figures["first_picture_s"] = studio.first_picture_s
-        studio.until(lambda s: s["settled"], "refined picture")
+        state = studio.settle()
+        assert state["fine"] and state["refined"] == state["picture"] and state["mesh"] == "knot", state["mesh"]
         studio.screenshot("start")
-        studio.click("refine", u=0.1)
+        choose_draft(studio)
         check_orbit(studio)
+        check_undo_of_light(studio)
         check_scribble(studio)
         state = check_range(studio)
         figures["edit_ms"] = state["edit_ms"]
@@ -310,44 +359,86 @@ def run(program, source_dir, folder, figures):
         studio.screenshot("range")
         check_undo(studio)
         check_paint(studio)
-        studio.settle()
         studio.screenshot("paint")
+        check_brush_and_stamp(studio)
+        check_layers(studio)
+        check_second_material(studio, folder)
         check_modes(studio)
-        check_compress(studio)
-        check_homogeneous(studio)
+        check_profile(studio)
+        check_compress(studio, folder)
+        figures["homogeneous_update_ms"] = check_homogeneous(studio, folder)
+        check_windows(studio)
         check_save(studio, folder)
-        check_errors(studio, folder)
+        # One more edit, which no file holds when the program dies.
+        studio.click("layer/0", u=0.3)
+        studio.set_number("param/range_scale", "0.5")
+        studio.until(lambda s: source(s, 0).get("range_scale") == 0.5, "unsaved edit")
         studio.settle()
-        studio.process.send_signal(signal.SIGKILL)
-        studio.process.wait()
+        (kept,) = (folder / "state").glob("autosave-*.json")
+        end = time.monotonic() + TIMEOUT
+        while '"range_scale": 0.5' not in kept.read_text():
+            assert time.monotonic() < end, "no autosave"
+            time.sleep(0.05)
+    finally:
+        studio.stop()
 
-        studio = Studio(program, display, folder)
+
+def second_session(program, display, folder):
+    """Recovers, meets broken files, and asks before it ends."""
+    studio = Studio(program, display, folder, width=WIDTH, height=HEIGHT)
+    try:
         assert studio.until(lambda s: True, "state")["recoverable"]
         studio.click("recover/yes")
-        studio.until(lambda s: len(s["layers"]) == 2, "recovered layers")
+        state = count_layers(studio, 2, "recovered layers")
+        assert source(state, 0)["range_scale"] == 0.5
         studio.screenshot("recovered")
+        choose_draft(studio)
+        check_errors(studio, folder)
+        studio.key("ctrl+q")
+        studio.click("quit/no")
+        studio.settle()
         studio.key("ctrl+q")
         studio.click("quit/yes")
         assert studio.process.wait(timeout=TIMEOUT) == 0
-        assert not (folder / "state/autosave.json").exists()
-        check_recipe(program, source_dir, folder)
+        assert not list((folder / "state").glob("autosave-*.json"))
     finally:
-        display.stop()
+        studio.stop()
+
+
+def third_session(program, display, folder):
+    """Without what the renderer needs of the driver, and with files that are no good."""
+    studio = Studio(program, display, folder, [folder / "broken.ply", folder / "no-such-file.h5"],
+                    width=WIDTH, height=HEIGHT, env={"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent"})
+    try:
+        state = studio.message("pictures come from the processor")
+        assert any("broken.ply" in m for m in state["messages"]), state["messages"]
+        assert not state["recoverable"]
+        studio.key("ctrl+q")
+        assert studio.process.wait(timeout=TIMEOUT) == 0
+    finally:
+        studio.stop()
 
 
 def main():
     program, source_dir = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
     keep = pathlib.Path(sys.argv[4]) if sys.argv[3:4] == ["--keep"] else None
     figures = {}
+    started = time.monotonic()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
+        display = Display(WIDTH, HEIGHT)
         try:
-            run(program, source_dir, folder, figures)
+            first_session(program, display, folder, figures)
+            second_session(program, display, folder)
+            third_session(program, display, folder)
+            check_recipe(program, source_dir, folder)
         finally:
+            display.stop()
             if keep is not None:
                 keep.mkdir(parents=True, exist_ok=True)
                 for path in folder.glob("studio-*.png"):
                     shutil.copy(path, keep)
+    figures["seconds"] = time.monotonic() - started
     for name, value in figures.items():
         print(f"{name}: {value:.3g}")
 

@@ -43,6 +43,7 @@ void mutate_document(Case& c, Document& document);
 void fuzz_table(Case& c);
 void fuzz_map(Case& c);
 void fuzz_transport(Case& c);
+void fuzz_photons(Case& c);
 void fuzz_image(Case& c);
 void fuzz_npy(Case& c);
 void fuzz_mesh(Case& c);

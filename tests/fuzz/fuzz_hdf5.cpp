@@ -9,6 +9,7 @@
 
 #include "fuzz_case.h"
 #include "io/hdf5/map_file.h"
+#include "io/hdf5/photon_file.h"
 #include "io/hdf5/table_file.h"
 #include "io/hdf5/testing_internal.h"
 #include "io/hdf5/transport_file.h"
@@ -194,6 +195,50 @@ void fuzz_transport(Case& c) {
   for (const LightTransport& light : read.transport.lights)
     if (light.multiple.places != read.transport.places)
       throw std::logic_error("transport of other places was accepted");
+}
+
+namespace {
+
+// 4 x 3 pixels, radius 1: 3 offsets of one channel.
+PhotonSimulation make_simulation() {
+  const Document material =
+      Document::Object{{"name", "all"}, {"sigma_a", 0.1}, {"sigma_s_prime", 1}};
+  const Document description = Document::Object{{"name", "plain"},
+                                                {"materials", Document::Array{material}},
+                                                {"layout", Document::Object{{"kind", "uniform"}}},
+                                                {"channels", 1},
+                                                {"pitch_mm", 1},
+                                                {"size", Document::Array{4, 3}},
+                                                {"radius_px", 1}};
+  return {read_sample(description, {}), {.photons = 16}};
+}
+
+}  // namespace
+
+void fuzz_photons(Case& c) {
+  static const PhotonSimulation simulation = make_simulation();
+  const std::string path = c.at("photons.h5");
+  const std::vector<float> values(3 * 3 * 4, 0.5f);
+  const std::vector<double> totals(11, 0.5);
+  {
+    const hdf5::Guard guard;
+    hdf5::TestFile file(path);
+    file.set("format", std::string("parian-photon-progress"));
+    file.set("version", 1);
+    const std::uint64_t fingerprint = simulation.fingerprint(), steps = 3;
+    file.set("fingerprint", H5T_NATIVE_UINT64, &fingerprint);
+    file.set("steps", H5T_NATIVE_UINT64, &steps);
+    file.put("totals", H5T_NATIVE_DOUBLE, {1, 11}, H5T_NATIVE_DOUBLE, totals.data());
+    for (const char* name : {"forward_1", "backward_1", "squares_1"})
+      file.put(name, H5T_NATIVE_FLOAT, {3, 3, 4}, H5T_NATIVE_FLOAT, values.data());
+    for (std::size_t edits = c.below(3); edits > 0; --edits)
+      mutate_attribute(c, file, {"format", "version", "fingerprint", "steps"});
+    for (std::size_t edits = c.below(3); edits > 0; --edits)
+      mutate_dataset(c, file, {"totals", "forward_1", "backward_1", "squares_1"},
+                     {{1, 11}, {3, 3, 4}, {3, 3, 4}, {3, 3, 4}});
+  }
+  truncate_file(c, path);
+  check_progress(simulation, load_photon_progress(path, simulation), path);
 }
 
 }  // namespace parian::fuzz

@@ -107,7 +107,7 @@ int main(int argc, char** argv) {
       {"json", fuzz_json},   {"params", fuzz_params}, {"sample", fuzz_sample},
       {"table", fuzz_table}, {"map", fuzz_map},       {"transport", fuzz_transport},
       {"image", fuzz_image}, {"npy", fuzz_npy},       {"mesh", fuzz_mesh},
-      {"blend", fuzz_blend}, {"recipe", fuzz_recipe}};
+      {"blend", fuzz_blend}, {"recipe", fuzz_recipe}, {"photons", fuzz_photons}};
   const hdf5::TestFolder folder("fuzz");
   const std::string last_name = folder.path.string() + ".seed";
   const int last_case = ::open(last_name.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);

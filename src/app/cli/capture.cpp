@@ -99,6 +99,7 @@ CaptureMeta make_meta(const CaptureOptions& options, const Truth& truth) {
   meta.channels = header.channels;
   meta.pixel_pitch_mm = header.pixel_pitch_mm;
   meta.eta = header.eta;
+  meta.synthetic = true;
   meta.radius_px = options.radius_px > 0 ? options.radius_px : truth.radius_px;
   meta.lattice_px = options.lattice_px > 0 ? options.lattice_px
                                            : 2 * static_cast<int>(std::ceil(meta.radius_px)) + 4;
@@ -178,7 +179,7 @@ void capture(const CaptureOptions& options, const Context& context) {
   const Document figures = to_document(result.report);
   BssrdfTable& table = options.raw ? result.raw : result.table;
   table.header.provenance = format_document(Document::Object{{"kind", "capture"},
-                                                             {"simulated", false},
+                                                             {"simulated", meta.synthetic},
                                                              {"meta", write_capture_meta(meta)},
                                                              {"report", figures}});
   const auto sink = create_table(options.output, table.header);

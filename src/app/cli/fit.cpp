@@ -32,13 +32,21 @@ std::string summarise(const FitResult& result, const FitOptions& options) {
         "{} iterations to {:.1e}, {} pairs, {} missing\n",
         c, channel.energy, channel.energy_monotone, channel.profiles_touched, channel.iterations,
         channel.relative_residual, channel.pairs, channel.missing);
+    if (channel.steps > 0)
+      text += fmt::format("    by the noise model, {} passes over the table; {} values <= 0\n",
+                          channel.steps, channel.not_positive);
+    else if (channel.not_positive > 0)
+      text += fmt::format("    {} values <= 0 left out\n", channel.not_positive);
   }
   if (report.pixels_filled > 0)
     text += fmt::format("  {} pixels without a measured pair filled\n", report.pixels_filled);
   for (const FitChannelReport& channel : report.channels)
-    if (channel.relative_residual > options.params.tolerance)
-      text += fmt::format("  not solved to the tolerance of {}: raise max-iterations or lambda\n",
-                          options.params.tolerance);
+    if (!channel.converged)
+      text +=
+          channel.steps > 0
+              ? std::string("  steps still large at the last pass: lower spread\n")
+              : fmt::format("  not solved to the tolerance of {}: raise max-iterations or lambda\n",
+                            options.params.tolerance);
   return text + fmt::format("  seconds: {:.2f} reading, {:.2f} solving, {:.2f} non-increasing\n",
                             report.seconds_stream, report.seconds_solve, report.seconds_monotone);
 }

@@ -33,14 +33,15 @@ ParamList describe(ImportOptions& options) {
 }
 
 NamedArray load_array(const std::string& path) {
-  if (std::filesystem::path(path).extension() == ".npy") {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".npy") {
     NpyArray array = load_npy(path);
     return {std::move(array.shape), std::move(array.values)};
   }
-  if (std::filesystem::path(path).extension() != ".exr")
+  if (extension != ".exr")
     throw Error({.file = path,
-                 .expected = "a file name that ends in .npy or .exr",
-                 .found = "another one"});
+                 .expected = "a name that ends in .npy or .exr",
+                 .found = extension.empty() ? "none" : extension});
   Image image = load_raw_image(path, /*allow_nan=*/true);
   return {{static_cast<std::size_t>(image.height), static_cast<std::size_t>(image.width),
            static_cast<std::size_t>(image.channels)},
@@ -48,12 +49,10 @@ NamedArray load_array(const std::string& path) {
 }
 
 void import_table(const ImportOptions& options, const Document& document, const Context& context) {
-  const std::filesystem::path folder = std::filesystem::path(options.description).parent_path();
-  const auto load = [&](const std::string& path) { return load_array((folder / path).string()); };
-  const SliceImport slices = read_slice_import(document, load);
+  const SliceImport slices = read_slice_import(document, load_array);
   const TableHeader& header = slices.header;
   const auto sink = create_table(options.output, header, {options.deflate});
-  import_slices(slices, load, *sink, context.progress);
+  import_slices(slices, load_array, *sink, context.progress);
   print_summary(
       context,
       fmt::format("{}: imported table, {} x {} pixels of {} mm, {} offsets, {} channels{}\n",
@@ -63,10 +62,9 @@ void import_table(const ImportOptions& options, const Document& document, const 
 }
 
 void import_map(const ImportOptions& options, const Document& document, const Context& context) {
-  const std::filesystem::path folder = std::filesystem::path(options.description).parent_path();
   TextureMap made = make_texture_map(read_texture_import(
-      document, [&](const std::string& path) { return load_image((folder / path).string()); },
-      [&](const std::string& path) { return load_raw_image((folder / path).string()); }));
+      document, [](const std::string& path) { return load_image(path); },
+      [](const std::string& path) { return load_raw_image(path); }));
   made.map.provenance = format_document(
       Document::Object{{"kind", "import"}, {"simulated", true}, {"import", document}});
   save_profile_map(options.output, made.map);

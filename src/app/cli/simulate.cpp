@@ -8,6 +8,7 @@
 #include "app/cli/command.h"
 #include "app/cli/inputs.h"
 #include "app/cli/output.h"
+#include "app/cli/simulate_photon.h"
 #include "base/error.h"
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
@@ -19,44 +20,72 @@ namespace {
 enum class Engine { analytic, photon };
 
 struct SimulateOptions {
-  std::string sample, output;
+  std::string sample;
   Engine engine = Engine::analytic;
   int seed = -1;
-  int deflate = 0;
+  PhotonRun run;
 };
 
+// The parameters of photons, which mean nothing to the analytic engine.
+ParamList describe_photons(PhotonRun& run) {
+  ParamList params = describe(run.params);
+  params.push_back({.name = "checkpoint",
+                    .help = "store what has been gathered in OUTPUT.partial every so often",
+                    .target = &run.checkpoint_s,
+                    .min = 0,
+                    .max = 3600,
+                    .unit = "s"});
+  return params;
+}
+
 ParamList describe(SimulateOptions& options) {
-  return {{.name = "engine",
-           .help = "how light is followed",
-           .target = make_choice(options.engine, {"analytic", "photon"})},
-          {.name = "seed",
-           .help = "of the layout's random numbers, instead of the description's (-1: that one)",
-           .target = &options.seed,
-           .min = -1},
-          {.name = "deflate",
-           .help = "compression of the table, 0 for none",
-           .target = &options.deflate,
-           .min = 0,
-           .max = 9}};
+  ParamList params{
+      {.name = "engine",
+       .help = "the dipole, or photons traced through the sample's volume",
+       .target = make_choice(options.engine, {"analytic", "photon"})},
+      {.name = "seed",
+       .help = "of the layout's random numbers, instead of the description's (-1: that one)",
+       .target = &options.seed,
+       .min = -1}};
+  for (Param& param : describe_photons(options.run)) params.push_back(std::move(param));
+  params.push_back({.name = "deflate",
+                    .help = "compression of the table, 0 for none",
+                    .target = &options.run.deflate,
+                    .min = 0,
+                    .max = 9});
+  return params;
+}
+
+void check_engine(const SimulateOptions& options) {
+  if (options.engine == Engine::photon) return;
+  PhotonRun given = options.run, defaults;
+  const ParamList list = describe_photons(given), plain = describe_photons(defaults);
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (format_value(list[i]) != format_value(plain[i]))
+      throw Error({{}, "--" + list[i].name, "--engine photon with it", "--engine analytic"},
+                  ErrorKind::usage);
 }
 
 void simulate(const SimulateOptions& options, const Context& context) {
-  if (options.engine == Engine::photon)
-    throw Error({{}, "--engine", "analytic (photon simulation comes later)", "photon"},
-                ErrorKind::usage);
-  check_output(options.output, {options.sample});
+  check_engine(options);
+  check_output(options.run.output, {options.sample});
+  check_figures(context);
   const std::filesystem::path folder = std::filesystem::path(options.sample).parent_path();
   const Sample sample = read_sample(
       load_document(options.sample),
       [&](const std::string& path) { return load_image((folder / path).string()); }, options.seed);
+  if (options.engine == Engine::photon) return simulate_photons(sample, options.run, context);
   const std::unique_ptr<SliceSource> source = make_analytic_source(sample);
   const TableHeader& header = source->header();
-  const auto sink = create_table(options.output, header, {options.deflate});
+  const auto sink = create_table(options.run.output, header, {options.run.deflate});
   copy_slices(*source, *sink, context.progress);
+  write_figures(context, Document::Object{{"pixels", header.pixels()},
+                                          {"offsets", header.offsets.size()},
+                                          {"channels", header.channels}});
   print_summary(
       context,
       fmt::format("{}: simulated table, {} x {} pixels of {} mm, {} offsets, {} channels\n",
-                  options.output, header.width, header.height, header.pixel_pitch_mm,
+                  options.run.output, header.width, header.height, header.pixel_pitch_mm,
                   header.offsets.size(), header.channels));
 }
 
@@ -70,8 +99,9 @@ CommandSpec make_simulate_command() {
   command.example = "parian simulate data/samples/chessboard.json -o chessboard.h5";
   command.positionals = {{"SAMPLE.json", "sample description", &options->sample}};
   command.flags = {
-      {"output", 'o', "TABLE.h5", "table to write", &options->output, /*required=*/true}};
+      {"output", 'o', "TABLE.h5", "table to write", &options->run.output, /*required=*/true}};
   command.params = describe(*options);
+  command.has_figures = true;
   command.run = [options](const Context& context) { simulate(*options, context); };
   return command;
 }

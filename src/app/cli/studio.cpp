@@ -27,6 +27,23 @@ CommandSpec make_studio_command() {
       {"screenshots", 0, "DIR", "folder for screenshots", &arguments->studio.screenshots},
       {"probe", 0, "FILE", "JSON file for scripted runs: state and places of widgets",
        &arguments->studio.probe}};
+  command.params = {{.name = "width",
+                     .help = "of the window",
+                     .target = &arguments->studio.width,
+                     .min = 1,
+                     .max = 16384,
+                     .unit = "pixels"},
+                    {.name = "height",
+                     .help = "of the window",
+                     .target = &arguments->studio.height,
+                     .min = 1,
+                     .max = 16384,
+                     .unit = "pixels"},
+                    {.name = "scale",
+                     .help = "of text and widgets; 0: the display's",
+                     .target = &arguments->studio.scale,
+                     .min = 0,
+                     .max = 4}};
   command.run = [arguments](const Context& context) {
     StudioOptions options = arguments->studio;
     options.is_cancelled = context.progress.is_cancelled;

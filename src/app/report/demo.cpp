@@ -41,9 +41,10 @@ std::string write_page(const std::string& folder, const std::vector<PipelineSamp
   std::string body = html_paragraph(
       "Each sample is a table of R_d between pairs of surface points. A scattering profile is "
       "fitted to every point and channel, so that R_d between two points is the geometric mean of "
-      "their profiles (SubEdit, Song et al. 2009); the fit is then judged against the table. Both "
-      "samples are simulated, not measured: their tables come from the dipole with coefficients "
-      "averaged along the path between the points, which no product of profiles meets exactly.");
+      "their profiles (SubEdit, Song et al. 2009); the fit is then judged against the table. All "
+      "samples are simulated, not measured: the first two tables come from the dipole with "
+      "coefficients averaged along the path between the points, the third from photons traced "
+      "through a volume of voxels. No product of profiles meets any of them exactly.");
   body += html_table(tabulate(samples, results));
   for (std::size_t i = 0; i < samples.size(); ++i)
     body += describe_pipeline(samples[i], results[i]);
@@ -68,6 +69,7 @@ std::string make_demo(const DemoParams& params, const Progress& progress) {
   const std::string description =
       params.data + (params.small ? "/samples/chessboard-small.json" : "/samples/chessboard.json");
   const std::string stone = params.data + "/stone-72x64.h5", board = folder + "/chessboard.h5";
+  const std::string embedded = params.data + "/embedded-stones-48.h5";
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   check_writable(folder + "/index.html");
@@ -80,7 +82,13 @@ std::string make_demo(const DemoParams& params, const Progress& progress) {
       {"stone", "Stone",
        "A simulated table from an independent writer, bundled with Parian. " +
            describe_table_size(stone),
-       "", stone, folder}};
+       "", stone, folder},
+      {"embedded", "Embedded stones",
+       "Simulated by Parian's photon engine, bundled: ellipsoids of three materials in a fourth, "
+       "some of them under the surface (data/samples/embedded-stones.json). Errors include the "
+       "noise of the photons. " +
+           describe_table_size(embedded),
+       "", embedded, folder}};
   std::vector<PipelineResult> results;
   results.reserve(samples.size());
   for (const PipelineSample& sample : samples) results.push_back(run_pipeline(sample, progress));

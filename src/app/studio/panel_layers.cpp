@@ -1,4 +1,4 @@
-// The recipe: its layers, their parameters, and its history.
+// The recipe: its layers and their parameters.
 #include <fmt/format.h>
 #include <imgui.h>
 #include <imgui_stdlib.h>
@@ -22,10 +22,9 @@ void post_layer(Ui& ui, std::size_t index, Document layer, const std::string& la
   touch_map(studio);
 }
 
-void draw_row(Ui& ui, std::size_t i) {
+void draw_switch(Ui& ui, std::size_t i) {
   Studio& studio = ui.studio;
   const LayerSnapshot& layer = studio.snapshot->layers[i];
-  ImGui::PushID(static_cast<int>(i));
   bool enabled = layer.enabled;
   if (ImGui::Checkbox("##on", &enabled)) {
     Document changed = layer.source;
@@ -35,32 +34,53 @@ void draw_row(Ui& ui, std::size_t i) {
     touch_map(studio);
   }
   mark(ui.probe, fmt::format("layer/{}/on", i));
+  explain("on or off (Space)");
+}
+
+void draw_move_buttons(Ui& ui, std::size_t i) {
+  Studio& studio = ui.studio;
+  const std::string& name = studio.snapshot->layers[i].name;
+  const auto move = [&](std::size_t to) {
+    studio.editor->post("move " + name, move_layer(i, to));
+    studio.selected_layer = to;
+    touch_map(studio);
+  };
+  // The list shows the last layer on top.
+  if (ImGui::ArrowButton("up", ImGuiDir_Up) && i + 1 < studio.snapshot->layers.size()) move(i + 1);
+  mark(ui.probe, fmt::format("layer/{}/up", i));
+  explain("apply later");
+  ImGui::SameLine(0, 2);
+  if (ImGui::ArrowButton("down", ImGuiDir_Down) && i > 0) move(i - 1);
+  mark(ui.probe, fmt::format("layer/{}/down", i));
+  explain("apply earlier");
+  ImGui::SameLine(0, 2);
+  if (ImGui::Button("×", {ImGui::GetFrameHeight(), 0})) {
+    studio.editor->post("remove " + name, remove_layer(i));
+    touch_map(studio);
+  }
+  mark(ui.probe, fmt::format("layer/{}/remove", i));
+  explain("remove (Delete)");
+}
+
+void draw_row(Ui& ui, std::size_t i) {
+  Studio& studio = ui.studio;
+  const LayerSnapshot& layer = studio.snapshot->layers[i];
+  ImGui::PushID(static_cast<int>(i));
+  draw_switch(ui, i);
   ImGui::SameLine();
-  const bool is_selected = studio.selected_layer == i;
-  const float room = ImGui::GetContentRegionAvail().x - 4.6f * ImGui::GetFrameHeight();
-  if (ImGui::Selectable(fmt::format("{} ({})", layer.name, layer.kind).c_str(), is_selected, 0,
-                        {room, 0})) {
+  const float buttons = 3 * ImGui::GetFrameHeight() + 12;
+  const float room = std::max(1.0f, ImGui::GetContentRegionAvail().x - buttons);
+  const std::string label =
+      layer.name == layer.kind ? layer.name : fmt::format("{} ({})", layer.name, layer.kind);
+  ImGui::AlignTextToFramePadding();
+  if (ImGui::Selectable(label.c_str(), studio.selected_layer == i, 0, {room, 0})) {
     studio.selected_layer = i;
     studio.flat_is_stale = true;
     if (studio.show_selection) touch_view(studio);
   }
   mark(ui.probe, fmt::format("layer/{}", i));
-  const auto move = [&](std::size_t to) {
-    studio.editor->post("move " + layer.name, move_layer(i, to));
-    studio.selected_layer = to;
-    touch_map(studio);
-  };
   ImGui::SameLine();
-  if (ImGui::ArrowButton("up", ImGuiDir_Up) && i > 0) move(i - 1);
-  ImGui::SameLine();
-  if (ImGui::ArrowButton("down", ImGuiDir_Down) && i + 1 < studio.snapshot->layers.size())
-    move(i + 1);
-  ImGui::SameLine();
-  if (ImGui::SmallButton("x")) {
-    studio.editor->post("remove " + layer.name, remove_layer(i));
-    touch_map(studio);
-  }
-  mark(ui.probe, fmt::format("layer/{}/remove", i));
+  draw_move_buttons(ui, i);
   ImGui::PopID();
 }
 
@@ -70,26 +90,89 @@ const OperationKind* find_kind(const std::string& name) {
   return nullptr;
 }
 
-// Parameters of the operation, opacity, and the selection's edge.
+// Numbers that every layer has beside those of its operation.
+struct LayerNumbers {
+  double opacity = 1;
+};
+ParamList describe(LayerNumbers& numbers) {
+  return {{.name = "opacity",
+           .help = "factor on the selection",
+           .target = &numbers.opacity,
+           .min = 0,
+           .max = 1}};
+}
+
+// Numbers that every selection has.
+struct SelectionNumbers {
+  double grow = 0, feather = 0;
+  bool invert = false;
+};
+ParamList describe(SelectionNumbers& numbers) {
+  return {{.name = "grow",
+           .help = "widens the selection; negative narrows it",
+           .target = &numbers.grow,
+           .min = -1000,
+           .max = 1000,
+           .unit = "mm"},
+          {.name = "feather",
+           .help = "softens its edge",
+           .target = &numbers.feather,
+           .min = 0,
+           .max = 1000,
+           .unit = "mm"},
+          {.name = "invert", .help = "what was not selected", .target = &numbers.invert}};
+}
+
+// Whole-grid operations take neither.
+bool has_selection(const std::string& kind) {
+  static const std::vector<std::string> whole{"hallucinate", "crop",     "tile",      "flip",
+                                              "rotate",      "resample", "synthesize"};
+  return std::find(whole.begin(), whole.end(), kind) == whole.end();
+}
+
+bool draw_selection(Ui& ui, Document& layer, bool& ended) {
+  const Document* selection = find(layer, "selection");
+  if (selection == nullptr) {
+    ImGui::TextDisabled("on all of the map; draw with a tool to select");
+    return false;
+  }
+  const Document* type = find(*selection, "type");
+  ImGui::TextDisabled("selection: %s",
+                      type != nullptr ? as_string(*type).c_str() : "of several parts");
+  Document changed = *selection;
+  SelectionNumbers numbers;
+  ImGui::PushID("selection");
+  const bool edits = draw_params(ui, describe(numbers), changed, ended);
+  ImGui::PopID();
+  if (edits) set(layer, "selection", std::move(changed));
+  return edits;
+}
+
+// Name, parameters of the operation, opacity, and the selection.
 void draw_controls(Ui& ui, std::size_t index) {
   const LayerSnapshot& layer = ui.studio.snapshot->layers[index];
   Document changed = layer.source;
   bool ended = false, edits = false;
-  const OperationKind* kind = find_kind(layer.kind);
-  static double opacity = 1;
-  opacity = 1;
-  edits |= draw_params(ui,
-                       {{.name = "opacity",
-                         .help = "factor on the selection",
-                         .target = &opacity,
-                         .min = 0,
-                         .max = 1}},
-                       changed, ended);
-  if (kind != nullptr && kind->params) {
+  std::string name = layer.name;
+  if (ImGui::InputText("name", &name, ImGuiInputTextFlags_EnterReturnsTrue) && !name.empty()) {
+    set(changed, "name", name);
+    ui.edited_key = "name";
+    edits = true;
+  }
+  mark(ui.probe, "layer name");
+  if (const OperationKind* kind = find_kind(layer.kind); kind != nullptr && kind->params) {
     const OperationKind::Params params = kind->params();
     edits |= draw_params(ui, params.list, changed, ended);
   }
-  if (edits) post_layer(ui, index, std::move(changed), layer.name, "params");
+  if (has_selection(layer.kind)) {
+    ImGui::Separator();
+    LayerNumbers numbers;
+    edits |= draw_params(ui, describe(numbers), changed, ended);
+    edits |= draw_selection(ui, changed, ended);
+  }
+  if (edits)
+    post_layer(ui, index, std::move(changed), layer.name + ": " + ui.edited_key,
+               "params " + ui.edited_key);
   if (ended) ++ui.studio.drags;
 }
 
@@ -117,28 +200,40 @@ void draw_text(Ui& ui, std::size_t index) {
   if (ImGui::Button("read again")) ui.text_layer.reset();
 }
 
+void draw_add(Ui& ui) {
+  Studio& studio = ui.studio;
+  if (ImGui::Button("Add layer", {ImGui::GetContentRegionAvail().x, 0}))
+    ImGui::OpenPopup("add layer");
+  mark(ui.probe, "add layer");
+  if (!ImGui::BeginPopup("add layer")) return;
+  for (const OperationKind& kind : operation_kinds()) {
+    if (ImGui::MenuItem(kind.name.c_str())) {
+      try {
+        add_layer(studio, make_starting_layer(studio, kind.name));
+      } catch (const Error& error) {
+        report(studio, error.what(), true);
+      }
+    }
+    mark(ui.probe, "add layer/" + kind.name);
+    ImGui::SameLine(9 * ImGui::GetFontSize());
+    ImGui::TextDisabled("%s", kind.summary.c_str());
+  }
+  ImGui::EndPopup();
+}
+
 }  // namespace
 
 void draw_layers(Ui& ui) {
   Studio& studio = ui.studio;
-  if (studio.snapshot == nullptr) return ImGui::TextUnformatted("no map");
+  if (studio.snapshot == nullptr) return ImGui::TextDisabled("No map is open.");
   if (studio.is_homogeneous)
     return ImGui::TextWrapped("A homogeneous material has no layers: see Material.");
-  if (ImGui::Button("add layer")) ImGui::OpenPopup("add layer");
-  mark(ui.probe, "add layer");
-  if (ImGui::BeginPopup("add layer")) {
-    for (const OperationKind& kind : operation_kinds()) {
-      if (ImGui::MenuItem(kind.name.c_str()))
-        add_layer(studio, make_default_layer(kind.name, kind.name));
-      mark(ui.probe, "add layer/" + kind.name);
-      if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", kind.summary.c_str());
-    }
-    ImGui::EndPopup();
-  }
-  ImGui::Separator();
+  draw_add(ui);
   for (std::size_t i = studio.snapshot->layers.size(); i-- > 0;) draw_row(ui, i);
   ImGui::TextDisabled("%s", std::filesystem::path(studio.material_path).filename().c_str());
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", studio.material_path.c_str());
+  explain(studio.material_path.c_str());
+  if (studio.snapshot->layers.empty())
+    ImGui::TextWrapped("Scribble on the flat map or on the mesh, or add a layer.");
   if (selected_layer(studio) == nullptr) return;
   const std::size_t index = *studio.selected_layer;
   ImGui::Separator();
@@ -148,29 +243,6 @@ void draw_layers(Ui& ui) {
     ImGui::TextDisabled("%zu albedos and %zu ranges kept at their limits", kept.clamped_albedo,
                         kept.clamped_range);
   draw_text(ui, index);
-}
-
-void draw_history(Ui& ui) {
-  Studio& studio = ui.studio;
-  if (studio.snapshot == nullptr) return;
-  const auto& past = studio.snapshot->history;
-  const auto& next = studio.snapshot->future;
-  const auto undo_to = [&](std::size_t steps) {
-    for (std::size_t i = 0; i < steps; ++i) studio.editor->undo();
-    touch_map(studio);
-  };
-  if (ImGui::Selectable("as opened", past.empty())) undo_to(past.size());
-  for (std::size_t i = 0; i < past.size(); ++i)
-    if (ImGui::Selectable(fmt::format("{}##{}", past[i], i).c_str(), i + 1 == past.size()))
-      undo_to(past.size() - 1 - i);
-  for (std::size_t i = 0; i < next.size(); ++i) {
-    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-    if (ImGui::Selectable(fmt::format("{}##next{}", next[i], i).c_str())) {
-      for (std::size_t k = 0; k <= i; ++k) studio.editor->redo();
-      touch_map(studio);
-    }
-    ImGui::PopStyleColor();
-  }
 }
 
 }  // namespace parian

@@ -5,32 +5,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "app/studio/tools.h"
 #include "app/studio/ui.h"
+#include "material/dipole.h"
 #include "material/properties.h"
 
 namespace parian {
 namespace {
 
 constexpr int curve_steps = 160;
-constexpr double decades = 5;
+constexpr double decades = 5, ln_10 = 2.302585092994046;
+constexpr ImU32 before_color = IM_COL32(150, 150, 155, 255),
+                picked_color = IM_COL32(90, 200, 255, 255),
+                data_color = IM_COL32(200, 200, 205, 110);
+constexpr ImU32 channel_colors[] = {IM_COL32(255, 110, 90, 255), IM_COL32(110, 230, 110, 255),
+                                    IM_COL32(120, 150, 255, 255)};
 
 struct Axes {
   ImVec2 low, high;           // corners on the screen
   double max_r = 1, top = 0;  // mm; ln of the largest value
   ImVec2 place(double r, double log_value) const {
-    const double x = r / max_r, y = (top - log_value) / (decades * 2.302585093);
+    const double x = r / max_r, y = (top - log_value) / (decades * ln_10);
     return {low.x + static_cast<float>(x) * (high.x - low.x),
             low.y + static_cast<float>(y) * (high.y - low.y)};
   }
 };
 
-void draw_curve(const Axes& axes, const Profile& profile, ImU32 color, float width) {
+template <typename Function>
+void draw_function(const Axes& axes, const Function& log_value, ImU32 color, float width) {
   std::vector<ImVec2> line;
   line.reserve(curve_steps + 1);
   for (int i = 0; i <= curve_steps; ++i) {
-    const double r = axes.max_r * i / curve_steps, value = eval_log_profile(profile, r);
+    const double r = axes.max_r * i / curve_steps, value = log_value(r);
     if (!std::isfinite(value)) break;
     line.push_back(axes.place(r, value));
   }
@@ -38,20 +46,55 @@ void draw_curve(const Axes& axes, const Profile& profile, ImU32 color, float wid
                                           width);
 }
 
+void draw_curve(const Axes& axes, const Profile& profile, ImU32 color, float width) {
+  draw_function(
+      axes, [&](double r) { return eval_log_profile(profile, r); }, color, width);
+}
+
 void draw_grid(const Axes& axes) {
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const ImU32 color = IM_COL32(70, 70, 75, 255), ink = IM_COL32(170, 170, 175, 255);
+  const ImU32 color = IM_COL32(62, 63, 66, 255), ink = IM_COL32(150, 150, 155, 255);
+  const float em = ImGui::GetFontSize();
   list->AddRect(axes.low, axes.high, color);
   for (int d = 1; d < static_cast<int>(decades); ++d) {
-    const ImVec2 at = axes.place(0, axes.top - d * 2.302585093);
+    const ImVec2 at = axes.place(0, axes.top - d * ln_10);
     list->AddLine(at, {axes.high.x, at.y}, color);
   }
   for (int i = 1; i <= 4; ++i) {
     const double r = axes.max_r * i / 4;
     const ImVec2 at = axes.place(r, axes.top);
-    list->AddLine(at, {at.x, axes.high.y}, color);
-    list->AddText({at.x - ImGui::GetFontSize() * 2, axes.high.y - ImGui::GetFontSize() * 1.2f}, ink,
-                  fmt::format("{:.1f} mm", r).c_str());
+    const std::string label = fmt::format("{:.1f}{}", r, i == 4 ? " mm" : "");
+    const float width = ImGui::CalcTextSize(label.c_str()).x;
+    if (i < 4) list->AddLine(at, {at.x, axes.high.y}, color);
+    list->AddText({std::min(at.x - width / 2, axes.high.x - width - 3), axes.high.y - 1.2f * em},
+                  ink, label.c_str());
+  }
+  list->AddText({axes.low.x + 4, axes.low.y + 2}, ink,
+                fmt::format("{:.0e} / mm²", std::exp(axes.top)).c_str());
+  list->AddText({axes.low.x + 4, axes.high.y - 1.2f * em}, ink,
+                fmt::format("{:.0e}", std::exp(axes.top - decades * ln_10)).c_str());
+}
+
+// What the lines are, in the upper right corner.
+void draw_legend(const Axes& axes, bool has_data, bool has_picked, ImU32 edited) {
+  struct Line {
+    const char* text;
+    ImU32 color;
+    bool is_shown;
+  };
+  const Line lines[] = {{"edited", edited, true},
+                        {"before", before_color, true},
+                        {"picked", picked_color, has_picked},
+                        {"measured", data_color | IM_COL32(0, 0, 0, 255), has_data}};
+  const float em = ImGui::GetFontSize();
+  float y = axes.low.y + 0.3f * em;
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  for (const Line& line : lines) {
+    if (!line.is_shown) continue;
+    const float x = axes.high.x - ImGui::CalcTextSize(line.text).x - 0.5f * em;
+    list->AddLine({x - 1.6f * em, y + em / 2}, {x - 0.5f * em, y + em / 2}, line.color, 2);
+    list->AddText({x, y}, IM_COL32(185, 185, 190, 255), line.text);
+    y += 1.15f * em;
   }
 }
 
@@ -78,64 +121,110 @@ void draw_handles(Ui& ui, const Axes& axes, const Profile& profile) {
     const double value = eval_log_profile(profile, std::min(r, 0.999 * profile.support_mm));
     if (!std::isfinite(value) || r > axes.max_r) continue;
     const ImVec2 at = axes.place(r, value);
-    ImGui::SetCursorScreenPos({at.x - 6, at.y - 6});
+    const float radius = 0.3f * ImGui::GetFontSize();
+    ImGui::SetCursorScreenPos({at.x - 1.5f * radius, at.y - 1.5f * radius});
     ImGui::PushID(static_cast<int>(i));
-    ImGui::InvisibleButton("handle", {12, 12});
+    ImGui::InvisibleButton("handle", {3 * radius, 3 * radius});
     mark(ui.probe, fmt::format("shape handle {}", i));
     const bool active = ImGui::IsItemActive(), hovered = ImGui::IsItemHovered();
     if (ImGui::IsItemActivated()) ui.shape_drag = std::log(shape_factor(studio, i));
     if (active && ui.shape_drag && ImGui::IsMouseDragging(0, 1)) {
       const double step = static_cast<double>(ImGui::GetMouseDragDelta(0, 1).y) /
-                          static_cast<double>(axes.high.y - axes.low.y) * decades * 2.302585093;
+                          static_cast<double>(axes.high.y - axes.low.y) * decades * ln_10;
       set_shape_point(studio, u, std::clamp(std::exp(*ui.shape_drag - step), 1e-3, 1e3));
     }
     if (ImGui::IsItemDeactivated()) {
       ui.shape_drag.reset();
       ++studio.drags;
     }
-    ImGui::GetWindowDrawList()->AddCircleFilled(at, hovered || active ? 6.0f : 4.0f,
+    ImGui::GetWindowDrawList()->AddCircleFilled(at, hovered || active ? 1.4f * radius : radius,
                                                 IM_COL32(255, 220, 60, 255));
     ImGui::PopID();
   }
+}
+
+// Channels, the inspected pixel, and its figures.
+void draw_heading(Ui& ui, const EditState& state) {
+  Studio& studio = ui.studio;
+  static constexpr const char* channels[] = {"red", "green", "blue"};
+  for (int c = 0; c < std::min(3, state.channels); ++c) {
+    if (c > 0) ImGui::SameLine();
+    ImGui::RadioButton(channels[c], &studio.channel, c);
+    mark(ui.probe, std::string("channel/") + channels[c]);
+  }
+  studio.channel = std::clamp(studio.channel, 0, state.channels - 1);
+  const std::string place = fmt::format("({}, {})", studio.inspected.x, studio.inspected.y);
+  ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(place.c_str()).x);
+  ImGui::TextDisabled("%s", place.c_str());
+  explain("the inspected pixel: click on another one with the orbit tool or the eyedropper");
+  const ProfileProperties properties = measure_properties(
+      get_profile(state, studio.channel, studio.inspected.x, studio.inspected.y));
+  ImGui::TextDisabled("albedo %.3f  range %.2f  mean %.2f mm", properties.albedo,
+                      properties.range_mm, properties.mean_radius_mm);
+}
+
+void draw_curves(const Studio& studio, const Axes& axes, const Profile& edited) {
+  const EditState &before = studio.snapshot->before, &after = studio.snapshot->after;
+  const auto channel = static_cast<std::size_t>(studio.channel);
+  if (before.width == after.width && before.height == after.height)
+    draw_curve(axes, get_profile(before, studio.channel, studio.inspected.x, studio.inspected.y),
+               before_color, 1.5f);
+  const bool has_picked = studio.picked && channel < studio.picked->profiles.size();
+  if (has_picked) draw_curve(axes, studio.picked->profiles[channel], picked_color, 1.5f);
+  for (const MeasuredPair& pair : studio.measured)
+    if (pair.value > 0)
+      ImGui::GetWindowDrawList()->AddCircleFilled(axes.place(pair.r_mm, std::log(pair.value)), 1.5f,
+                                                  data_color);
+  const ImU32 color = channel_colors[std::min(channel, std::size_t{2})];
+  draw_curve(axes, edited, color, 2.5f);
+  draw_legend(axes, !studio.measured.empty(), has_picked, color);
+}
+
+// R_d of the channels of a homogeneous material.
+void draw_homogeneous(const Studio& studio) {
+  ImGui::TextDisabled("diffuse reflectance R_d(r) of the three channels");
+  const ImVec2 corner = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
+  if (room.x < 20 || room.y < 20) return;
+  const HomogeneousControls& controls = studio.homogeneous;
+  Axes axes{{corner.x, corner.y}, {corner.x + room.x, corner.y + room.y}};
+  const auto log_R_d = [&](std::size_t c, double r) {
+    const double value =
+        eval_dipole({controls.sigma_a[c], controls.sigma_s_prime[c], 0}, controls.eta, r);
+    return std::log(std::max(value, 1e-300));
+  };
+  axes.top = -1e9;
+  for (std::size_t c = 0; c < 3; ++c) {
+    // To where the slowest channel has fallen by the height of the plot.
+    axes.top = std::max(axes.top, log_R_d(c, 0) + 0.5);
+    const double sigma_t_prime = controls.sigma_a[c] + controls.sigma_s_prime[c];
+    axes.max_r =
+        std::max(axes.max_r, 6 / std::sqrt(3 * controls.sigma_a[c] * sigma_t_prime + 0.05));
+  }
+  ImGui::PushClipRect(axes.low, axes.high, true);
+  draw_grid(axes);
+  for (std::size_t c = 0; c < 3; ++c)
+    draw_function(
+        axes, [&](double r) { return log_R_d(c, r); }, channel_colors[c], 2);
+  ImGui::PopClipRect();
 }
 
 }  // namespace
 
 void draw_profile(Ui& ui) {
   Studio& studio = ui.studio;
-  if (studio.snapshot == nullptr || studio.is_homogeneous) return;
-  const EditState &before = studio.snapshot->before, &after = studio.snapshot->after;
-  static constexpr const char* channels[] = {"red", "green", "blue"};
-  for (int c = 0; c < std::min(3, after.channels); ++c) {
-    if (c > 0) ImGui::SameLine();
-    ImGui::RadioButton(channels[c], &studio.channel, c);
-  }
-  studio.channel = std::clamp(studio.channel, 0, after.channels - 1);
-  const MapPixel pixel = studio.inspected;
-  const Profile edited = get_profile(after, studio.channel, pixel.x, pixel.y);
-  const ProfileProperties properties = measure_properties(edited);
-  ImGui::SameLine();
-  ImGui::Text("pixel %d, %d: albedo %.3f, range %.2f mm, mean radius %.2f mm", pixel.x, pixel.y,
-              properties.albedo, properties.range_mm, properties.mean_radius_mm);
+  if (studio.is_homogeneous) return draw_homogeneous(studio);
+  if (studio.snapshot == nullptr) return;
+  const EditState& after = studio.snapshot->after;
+  draw_heading(ui, after);
+  const Profile edited = get_profile(after, studio.channel, studio.inspected.x, studio.inspected.y);
   const ImVec2 corner = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
+  if (room.x < 20 || room.y < 20) return;
   Axes axes{{corner.x, corner.y}, {corner.x + room.x, corner.y + room.y}};
-  axes.max_r = std::max(1e-6, 1.05 * std::min(edited.support_mm, 1.5 * properties.range_mm));
+  axes.max_r = std::max(1e-6, 1.05 * std::min(edited.support_mm, 1.5 * profile_range(edited)));
   axes.top = eval_log_profile(edited, 0) + 0.5;
   ImGui::PushClipRect(axes.low, axes.high, true);
   draw_grid(axes);
-  if (before.width == after.width && before.height == after.height)
-    draw_curve(axes, get_profile(before, studio.channel, pixel.x, pixel.y),
-               IM_COL32(150, 150, 155, 255), 1.5f);
-  if (studio.picked && static_cast<std::size_t>(studio.channel) < studio.picked->profiles.size())
-    draw_curve(axes, studio.picked->profiles[static_cast<std::size_t>(studio.channel)],
-               IM_COL32(90, 200, 255, 255), 1.5f);
-  const ImU32 ink[] = {IM_COL32(255, 110, 90, 255), IM_COL32(110, 230, 110, 255),
-                       IM_COL32(120, 150, 255, 255)};
-  for (const MeasuredPair& pair : studio.measured)
-    if (pair.value > 0)
-      ImGui::GetWindowDrawList()->AddCircleFilled(axes.place(pair.r_mm, std::log(pair.value)), 1.5f,
-                                                  IM_COL32(200, 200, 205, 110));
-  draw_curve(axes, edited, ink[std::min(studio.channel, 2)], 2.5f);
+  draw_curves(studio, axes, edited);
   draw_handles(ui, axes, edited);
   ImGui::PopClipRect();
 }

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "app/studio/stage.h"
+#include "app/studio/transport_job.h"
 #include "edit/mask.h"
+#include "gl/live_renderer.h"
 #include "gl/splat_renderer.h"
 #include "material/material.h"
 
@@ -22,8 +24,10 @@ const std::vector<std::string>& view_mode_names();
 struct PictureRequest {
   std::shared_ptr<const Stage> stage;
   std::shared_ptr<const Material> material;
-  std::shared_ptr<const Material> before;  // for ViewMode::difference; may be null
-  std::shared_ptr<const Mask> mask;        // shown in red; may be null
+  std::shared_ptr<const Material> before;           // for ViewMode::difference; may be null
+  std::shared_ptr<const Mask> mask;                 // shown in red; may be null
+  std::shared_ptr<const ReadyTransport> transport;  // of this stage and lighting; may be null
+  std::vector<Rgb> light_scales;                    // of its lights
   Lighting lighting;
   Camera camera;  // with the size to be drawn
   ViewMode mode = ViewMode::shaded;
@@ -36,7 +40,10 @@ struct Picture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;  // sRGB-encoded, row 0 on top
   double seconds = 0;
-  SplatReport report;  // of the last splatted picture
+  bool is_fine = false;
+  SplatReport report;    // of a splatted picture
+  bool is_live = false;  // from precomputed transport
+  LiveReport live;
 };
 
 // Linear radiance times 2^exposure, encoded for the screen.
@@ -52,6 +59,7 @@ class PictureThread {
   std::uint64_t request(PictureRequest request);
   std::shared_ptr<const Picture> latest() const;  // null before the first
   bool is_busy() const;
+  std::uint64_t last_failed() const;  // id of a request that gave an error; 0: none
   std::optional<std::string> take_error();
   // Until the newest request is drawn. For scripted runs and tests.
   void wait();

@@ -1,7 +1,5 @@
 #include "app/studio/probe.h"
 
-#include <imgui.h>
-
 #include "base/error.h"
 #include "io/json/files.h"
 #include "io/json/json.h"
@@ -36,60 +34,121 @@ double brightness_of(const Picture& picture) {
   return picture.rgba.empty() ? 0 : sum / (0.75 * static_cast<double>(picture.rgba.size()));
 }
 
-Document describe_state(const Probe& probe, const Studio& studio) {
-  Document state{Document::Object{}}, widgets{Document::Object{}};
-  for (const auto& [name, box] : probe.widgets)
+Document describe_input(const ProbeInput& input) {
+  return Document::Object{{"mouse", Document::Array{static_cast<double>(input.mouse_x),
+                                                    static_cast<double>(input.mouse_y)}},
+                          {"down", input.is_down},
+                          {"keys", static_cast<double>(input.keys)},
+                          {"presses", static_cast<double>(input.presses)},
+                          {"width", input.width},
+                          {"height", input.height},
+                          {"popup", input.has_popup}};
+}
+
+Document describe_widgets(const Probe& probe) {
+  Document widgets{Document::Object{}};
+  for (const auto& [name, box] : probe.widgets) {
+    const auto before = probe.previous.find(name);
+    if (before == probe.previous.end() || !(before->second == box)) continue;
     set(widgets, name,
         Document::Array{static_cast<double>(box.x0), static_cast<double>(box.y0),
                         static_cast<double>(box.x1), static_cast<double>(box.y1)});
+  }
+  return widgets;
+}
+
+Document to_array(const std::vector<std::string>& texts) {
+  return Document::Array(texts.begin(), texts.end());
+}
+
+void describe_map(Document& state, const Studio& studio) {
+  set(state, "layers", describe_layers(*studio.snapshot));
+  set(state, "selected_layer",
+      studio.selected_layer ? static_cast<double>(*studio.selected_layer) : -1.0);
+  set(state, "history", to_array(studio.snapshot->history));
+  set(state, "future", to_array(studio.snapshot->future));
+  set(state, "edit_ms", 1e3 * studio.snapshot->seconds);
+  set(state, "map_size",
+      Document::Array{studio.snapshot->after.width, studio.snapshot->after.height});
+}
+
+void describe_picture(Document& state, Probe& probe, const Studio& studio) {
+  const Picture& picture = *studio.picture;
+  set(state, "picture", static_cast<double>(picture.id));
+  set(state, "picture_ms", 1e3 * picture.seconds);
+  set(state, "picture_size", Document::Array{picture.width, picture.height});
+  const SplatReport& stages = picture.report;
+  set(state, "stages_ms",
+      Document::Object{{"sampling", 1e3 * stages.sampling_s},
+                       {"irradiance", 1e3 * stages.irradiance_s},
+                       {"material", 1e3 * stages.material_s},
+                       {"group", 1e3 * stages.group_s},
+                       {"view", 1e3 * stages.view_s},
+                       {"splat", 1e3 * stages.splat_s},
+                       {"resolve", 1e3 * stages.resolve_s},
+                       {"shade", 1e3 * stages.shade_s},
+                       {"read", 1e3 * stages.read_s}});
+  set(state, "device", picture.is_live ? picture.live.device : stages.device);
+  set(state, "live", picture.is_live);
+  if (picture.is_live)
+    set(state, "live_ms",
+        Document::Object{{"project", 1e3 * picture.live.project_s},
+                         {"update", 1e3 * picture.live.update_s},
+                         {"view", 1e3 * picture.live.view_s},
+                         {"shade", 1e3 * picture.live.shade_s},
+                         {"read", 1e3 * picture.live.read_s}});
+  set(state, "fine", picture.is_fine);
+  if (probe.seen != studio.picture) {
+    probe.seen = studio.picture;
+    probe.brightness = brightness_of(picture);
+  }
+  set(state, "brightness", probe.brightness);
+}
+
+void describe_scene(Document& state, const Studio& studio) {
+  set(state, "material", studio.material_path);
+  set(state, "mesh", studio.mesh_path);
+  set(state, "second", studio.second != nullptr ? studio.second->path : "");
+  set(state, "homogeneous", studio.is_homogeneous);
+  set(state, "sigma_a",
+      Document::Array(studio.homogeneous.sigma_a.begin(), studio.homogeneous.sigma_a.end()));
+  set(state, "yaw_deg", studio.orbit.yaw_deg);
+  set(state, "distance_mm", studio.orbit.distance_mm);
+  set(state, "azimuth_deg", studio.lighting.azimuth_deg);
+  set(state, "rotation_deg", studio.lighting.rotation_deg);
+  set(state, "brush_mm", studio.brush_radius_mm);
+}
+
+Document describe_state(Probe& probe, const Studio& studio) {
+  Document state{Document::Object{}};
+  set(state, "input", describe_input(probe.input));
   set(state, "settled", is_settled(studio));
+  set(state, "still", still_names()[static_cast<std::size_t>(studio.still)]);
   set(state, "tool", tool_names()[static_cast<std::size_t>(studio.tool)]);
   set(state, "mode", view_mode_names()[static_cast<std::size_t>(studio.mode)]);
   set(state, "flat_mode", flat_mode_names()[static_cast<std::size_t>(studio.flat_mode)]);
-  set(state, "material", studio.material_path);
-  set(state, "mesh", studio.mesh_path);
-  set(state, "homogeneous", studio.is_homogeneous);
-  set(state, "yaw_deg", studio.orbit.yaw_deg);
-  set(state, "azimuth_deg", studio.lighting.azimuth_deg);
-  set(state, "distance_mm", studio.orbit.distance_mm);
-  if (studio.snapshot != nullptr) {
-    Document::Array history, future;
-    for (const std::string& label : studio.snapshot->history) history.emplace_back(label);
-    for (const std::string& label : studio.snapshot->future) future.emplace_back(label);
-    set(state, "layers", describe_layers(*studio.snapshot));
-    set(state, "history", std::move(history));
-    set(state, "future", std::move(future));
-    set(state, "edit_ms", 1e3 * studio.snapshot->seconds);
-  }
+  describe_scene(state, studio);
+  if (studio.snapshot != nullptr) describe_map(state, studio);
   set(state, "edit_shown_ms", studio.edit_shown_ms);
-  if (studio.picture != nullptr) {
-    set(state, "picture", static_cast<double>(studio.picture->id));
-    set(state, "picture_ms", 1e3 * studio.picture->seconds);
-    const SplatReport& stages = studio.picture->report;
-    set(state, "stages_ms",
-        Document::Array{1e3 * stages.sampling_s, 1e3 * stages.irradiance_s, 1e3 * stages.material_s,
-                        1e3 * stages.group_s, 1e3 * stages.view_s, 1e3 * stages.splat_s,
-                        1e3 * stages.resolve_s, 1e3 * stages.shade_s, 1e3 * stages.read_s});
-    set(state, "brightness", brightness_of(*studio.picture));
-  }
+  set(state, "first_picture_s", probe.first_picture_s);
+  if (studio.picture != nullptr) describe_picture(state, probe, studio);
   if (studio.refined != nullptr) set(state, "refined", static_cast<double>(studio.refined->id));
   set(state, "compressed", studio.compressed.size());
+  set(state, "shown_compressed",
+      studio.shown_compressed ? static_cast<double>(*studio.shown_compressed) : -1.0);
+  set(state, "transport", studio.transport != nullptr);
   set(state, "picked", studio.picked.has_value());
   set(state, "recoverable", studio.recoverable.has_value());
-  Document::Array messages;
+  Document::Array messages, jobs;
   for (const Message& message : studio.messages) messages.emplace_back(message.text);
+  for (const JobView& job : studio.jobs.views()) jobs.emplace_back(job.name);
   set(state, "messages", std::move(messages));
-  set(state, "widgets", std::move(widgets));
+  set(state, "jobs", std::move(jobs));
+  set(state, "widgets", describe_widgets(probe));
   return state;
 }
 
 }  // namespace
-
-void mark(Probe& probe, const std::string& name) {
-  if (probe.path.empty()) return;
-  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-  probe.widgets[name] = {low.x, low.y, high.x, high.y};
-}
 
 void write_probe(Probe& probe, const Studio& studio) {
   if (probe.path.empty() || studio.now_s - probe.last_s < interval_s) return;

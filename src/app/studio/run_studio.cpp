@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <utility>
 
+#include "app/studio/layout.h"
+#include "app/studio/studio_files.h"
 #include "app/studio/ui.h"
 #include "base/error.h"
 #include "image/color.h"
@@ -23,30 +27,53 @@ std::string user_state_folder() {
   return {};
 }
 
-void begin_panel(const char* name, ImVec2 place, ImVec2 size, ImGuiWindowFlags flags = 0) {
-  ImGui::SetNextWindowPos(place);
-  ImGui::SetNextWindowSize(size);
-  ImGui::Begin(name, nullptr,
-               ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
-                   ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoBringToFrontOnFocus | flags);
+// What goes wrong while a panel is drawn is a message, and the panel is whole again.
+template <typename Draw>
+void draw_guarded(Ui& ui, const Draw& draw) {
+  try {
+    draw(ui);
+  } catch (const std::exception& error) {
+    report(ui.studio, error.what(), true);
+    ImGui::ErrorCheckEndWindowRecover(nullptr, nullptr);
+  }
 }
 
-void draw_side_tabs(Ui& ui) {
-  if (!ImGui::BeginTabBar("side")) return;
-  struct Tab {
-    const char* name;
-    void (*draw)(Ui&);
-  };
-  constexpr Tab tabs[] = {{"Layers", draw_layers},   {"Material", draw_material},
-                          {"Light", draw_light},     {"Compress", draw_compression},
-                          {"History", draw_history}, {"Stats", draw_statistics}};
+constexpr ImGuiWindowFlags panel_flags = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                                         ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoTitleBar |
+                                         ImGuiWindowFlags_NoBringToFrontOnFocus |
+                                         ImGuiWindowFlags_NoSavedSettings;
+
+template <typename Draw>
+void draw_panel(Ui& ui, const char* name, const PanelBox& box, ImGuiWindowFlags flags,
+                const Draw& draw) {
+  ImGui::SetNextWindowPos({box.x, box.y});
+  ImGui::SetNextWindowSize({box.width, box.height});
+  ImGui::Begin(name, nullptr, panel_flags | flags);
+  draw_guarded(ui, draw);
+  ImGui::End();
+}
+
+struct Tab {
+  const char* name;
+  void (*draw)(Ui&);
+};
+constexpr Tab upper_tabs[] = {{"Layers", draw_layers},
+                              {"Material", draw_material},
+                              {"Light", draw_light},
+                              {"Compress", draw_compression}};
+constexpr Tab lower_tabs[] = {
+    {"History", draw_history}, {"Statistics", draw_statistics}, {"Messages", draw_messages}};
+
+template <std::size_t n>
+void draw_tabs(Ui& ui, const char* name, const Tab (&tabs)[n]) {
+  if (!ImGui::BeginTabBar(name, ImGuiTabBarFlags_FittingPolicyScroll)) return;
   for (const Tab& tab : tabs) {
     const bool open = ImGui::BeginTabItem(tab.name);
     mark(ui.probe, std::string("tab/") + tab.name);
     if (!open) continue;
     ImGui::BeginChild(tab.name);
-    ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.55f);
-    tab.draw(ui);
+    ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.56f);
+    draw_guarded(ui, tab.draw);
     ImGui::PopItemWidth();
     ImGui::EndChild();
     ImGui::EndTabItem();
@@ -54,36 +81,50 @@ void draw_side_tabs(Ui& ui) {
   ImGui::EndTabBar();
 }
 
-// Tools on the left, the two views and what belongs to them in the middle, tabs on the right.
+void draw_split(Ui& ui, const char* name, Split split, const PanelBox& box, float bar) {
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImGui::GetStyleColorVec4(ImGuiCol_MenuBarBg));
+  draw_panel(ui, name, box, ImGuiWindowFlags_NoScrollbar, [&](Ui&) {
+    ImGui::InvisibleButton("border", {box.width, box.height});
+    mark(ui.probe, name);
+    const bool is_across = split == Split::flat || split == Split::tabs;
+    if (ImGui::IsItemHovered() || ImGui::IsItemActive())
+      ImGui::SetMouseCursor(is_across ? ImGuiMouseCursor_ResizeNS : ImGuiMouseCursor_ResizeEW);
+    if (!ImGui::IsItemActive()) return;
+    const ImGuiIO& io = ImGui::GetIO();
+    const float pixels = is_across ? io.MouseDelta.y : io.MouseDelta.x;
+    ui.studio.shares = drag_split(ui.studio.shares, split, pixels, io.DisplaySize.x,
+                                  io.DisplaySize.y, ImGui::GetFontSize(), bar);
+  });
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar();
+}
+
+// Tools on the left, the view, then the map over its profile, tabs on the right.
 void draw_panels(Ui& ui) {
   const ImVec2 window = ImGui::GetIO().DisplaySize;
-  const float em = ImGui::GetFontSize();
-  const float bar = ImGui::GetFrameHeight(), left = 7 * em, right = 25 * em;
-  const float middle = std::max(20 * em, window.x - left - right);
-  const float split = std::floor(0.6f * middle), bottom = std::floor(0.28f * window.y);
-  const float top = window.y - bar - bottom;
-  begin_panel("bar", {0, 0}, {window.x, bar}, ImGuiWindowFlags_MenuBar);
-  draw_menu(ui);
-  ImGui::End();
-  begin_panel("tools", {0, bar}, {left, window.y - bar});
-  draw_toolbar(ui);
-  ImGui::End();
-  begin_panel("3-D", {left, bar}, {split, top}, ImGuiWindowFlags_NoScrollWithMouse);
-  draw_view(ui);
-  ImGui::End();
-  begin_panel("map", {left + split, bar}, {middle - split, top},
-              ImGuiWindowFlags_NoScrollWithMouse);
-  draw_flat_view(ui);
-  ImGui::End();
-  begin_panel("profile", {left, bar + top}, {split, bottom}, ImGuiWindowFlags_NoScrollWithMouse);
-  draw_profile(ui);
-  ImGui::End();
-  begin_panel("status", {left + split, bar + top}, {middle - split, bottom});
-  draw_status(ui);
-  ImGui::End();
-  begin_panel("side", {left + middle, bar}, {right, window.y - bar});
-  draw_side_tabs(ui);
-  ImGui::End();
+  const float em = ImGui::GetFontSize(), bar = ImGui::GetFrameHeight();
+  const float status = bar + 4;
+  const Layout layout = make_layout(window.x, window.y, em, status, ui.studio.shares);
+  constexpr ImGuiWindowFlags fixed =
+      ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
+  draw_panel(ui, "bar", layout.menu, fixed | ImGuiWindowFlags_MenuBar, draw_menu);
+  draw_panel(ui, "tools", layout.tools, fixed, draw_toolbar);
+  draw_panel(ui, "3-D", layout.view, fixed, draw_view);
+  draw_panel(ui, "map", layout.flat, fixed, draw_flat_view);
+  draw_panel(ui, "profile", layout.profile, fixed, draw_profile);
+  draw_panel(ui, "tabs", layout.tabs, fixed, [](Ui& u) { draw_tabs(u, "upper", upper_tabs); });
+  draw_panel(ui, "info", layout.info, fixed, [](Ui& u) { draw_tabs(u, "lower", lower_tabs); });
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(7, 2));
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImGui::GetStyleColorVec4(ImGuiCol_MenuBarBg));
+  draw_panel(ui, "status", layout.status, fixed, draw_status);
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar();
+  draw_split(ui, "split/map", Split::map, layout.split_map, status);
+  draw_split(ui, "split/side", Split::side, layout.split_side, status);
+  draw_split(ui, "split/flat", Split::flat, layout.split_flat, status);
+  draw_split(ui, "split/tabs", Split::tabs, layout.split_tabs, status);
+  draw_notice(ui, layout.view);
 }
 
 std::string next_screenshot(const std::string& folder) {
@@ -110,28 +151,50 @@ void save_screenshot(Ui& ui, const std::string& folder) {
   }
 }
 
-// Unsaved recipes are asked about once.
-void draw_quit(Ui& ui, bool& done) {
-  if (!ui.wants_quit) return;
+void note_input(Probe& probe) {
+  const ImGuiIO& io = ImGui::GetIO();
+  probe.input.mouse_x = io.MousePos.x;
+  probe.input.mouse_y = io.MousePos.y;
+  probe.input.width = static_cast<int>(io.DisplaySize.x);
+  probe.input.height = static_cast<int>(io.DisplaySize.y);
+  probe.input.has_popup = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId);
+  probe.input.is_down = false;
+  for (int button = 0; button < 3; ++button) {
+    probe.input.is_down |= ImGui::IsMouseDown(button);
+    if (ImGui::IsMouseClicked(button)) ++probe.input.presses;
+  }
+}
+
+// One frame; true: the program may end.
+bool run_frame(Ui& ui, double now_s) {
+  ui.probe.previous = std::exchange(ui.probe.widgets, {});
+  ui.studio.is_held = ImGui::IsAnyMouseDown();
+  try {
+    update(ui.studio, now_s);
+    handle_shortcuts(ui);
+  } catch (const std::exception& error) {
+    report(ui.studio, error.what(), true);
+  }
+  draw_panels(ui);
+  draw_dialogs(ui);
+  if (ui.window.wants_close()) {
+    ui.wants_quit = true;
+    ui.window.keep_open();
+  }
+  const bool done = draw_quit(ui);
+  note_input(ui.probe);
+  return done;
+}
+
+void set_title(Ui& ui) {
   const Studio& studio = ui.studio;
-  const bool unsaved = studio.snapshot != nullptr && !studio.snapshot->layers.empty() &&
-                       studio.snapshot->version != studio.saved_version;
-  if (!unsaved) {
-    done = true;
-    return;
-  }
-  if (!ImGui::IsPopupOpen("quit")) ImGui::OpenPopup("quit");
-  if (!ImGui::BeginPopupModal("quit", nullptr, ImGuiWindowFlags_AlwaysAutoResize)) return;
-  ImGui::TextUnformatted("The recipe is not saved.");
-  if (ImGui::Button("quit without saving")) done = true;
-  mark(ui.probe, "quit/yes");
-  ImGui::SameLine();
-  if (ImGui::Button("stay")) {
-    ui.wants_quit = false;
-    ImGui::CloseCurrentPopup();
-  }
-  mark(ui.probe, "quit/no");
-  ImGui::EndPopup();
+  const std::string name =
+      std::filesystem::path(studio.recipe_path.empty() ? studio.material_path : studio.recipe_path)
+          .filename()
+          .string();
+  ui.window.set_title(name.empty()
+                          ? "Parian Studio"
+                          : name + (is_unsaved(studio) ? " * - " : " - ") + "Parian Studio");
 }
 
 }  // namespace
@@ -144,6 +207,7 @@ void run_studio(const StudioOptions& options) {
   Studio studio;
   Window window({.width = options.width,
                  .height = options.height,
+                 .scale = options.scale,
                  .title = "Parian Studio",
                  .on_drop = [&](const std::string& path) { open_file(studio, path); }});
   start_studio(studio, {.state_folder = options.state_folder.empty() ? user_state_folder()
@@ -155,22 +219,14 @@ void run_studio(const StudioOptions& options) {
   bool done = false;
   while (!done) {
     // While something moves as fast as the display, else a few times a second.
-    const bool rests = is_settled(studio);
-    window.begin_frame(rests ? 0.1 : 0.01);
-    probe.widgets.clear();
-    update(studio, now());
-    handle_shortcuts(ui);
-    draw_panels(ui);
-    draw_dialogs(ui);
-    if (window.wants_close()) {
-      ui.wants_quit = true;
-      window.keep_open();
-    }
-    draw_quit(ui, done);
+    window.begin_frame(is_settled(studio) ? 0.1 : 0.01);
+    done = run_frame(ui, now());
     window.draw_frame();
     if (ui.wants_screenshot)
       save_screenshot(ui, options.screenshots.empty() ? "." : options.screenshots);
     window.show_frame();
+    if (probe.first_picture_s < 0 && ui.view_id > 0) probe.first_picture_s = now();
+    set_title(ui);
     write_probe(probe, studio);
     if (options.is_cancelled && options.is_cancelled()) throw make_cancelled_error();
   }

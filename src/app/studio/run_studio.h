@@ -14,6 +14,7 @@ struct StudioOptions {
   std::string probe;               // for scripted runs (app/studio/probe.h)
   std::string screenshots;         // folder that F12 writes to; empty: the working folder
   int width = 1440, height = 900;
+  double scale = 0;  // of text and widgets; 0: the display's
   // Ends the editor at once when it says true; what was not saved is offered again next time.
   std::function<bool()> is_cancelled;
 };

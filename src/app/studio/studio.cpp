@@ -1,17 +1,12 @@
 #include "app/studio/studio.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "app/studio/flat_picture.h"
 #include "app/studio/studio_files.h"
+#include "app/studio/tools.h"
 #include "base/error.h"
-#include "compress/choose.h"
-#include "compress/compress.h"
-#include "io/blend/blend_file.h"
 #include "render/render.h"
-#include "scene/environment.h"
 
 namespace parian {
 namespace {
@@ -35,15 +30,27 @@ std::shared_ptr<const Mask> shown_mask(const Studio& studio) {
 }
 
 void request_picture(Studio& studio, bool fine) {
-  PictureRequest request{.stage = studio.stage,
-                         .material = studio.material,
-                         .before = studio.original,
-                         .mask = shown_mask(studio),
-                         .lighting = studio.lighting,
-                         .camera = make_view_camera(studio, fine ? 1 : studio.interactive_scale),
-                         .mode = studio.mode,
-                         .exposure = studio.exposure,
-                         .fine = fine};
+  std::shared_ptr<const ReadyTransport> transport;
+  std::vector<Rgb> scales;
+  if (studio.is_homogeneous && studio.use_transport && studio.transport != nullptr)
+    if (auto found = find_light_scales(*studio.transport,
+                                       {studio.stage, studio.lighting, studio.homogeneous.eta})) {
+      transport = studio.transport;
+      scales = *std::move(found);
+    }
+  const bool is_live = transport != nullptr;
+  PictureRequest request{
+      .stage = studio.stage,
+      .material = studio.material,
+      .before = studio.original,
+      .mask = shown_mask(studio),
+      .transport = std::move(transport),
+      .light_scales = std::move(scales),
+      .lighting = studio.lighting,
+      .camera = make_view_camera(studio, fine || is_live ? 1 : studio.interactive_scale),
+      .mode = studio.mode,
+      .exposure = studio.exposure,
+      .fine = fine};
   studio.request_id = studio.pictures.request(std::move(request));
   studio.request_is_fine = fine;
   studio.is_stale = false;
@@ -75,6 +82,16 @@ void start_refining(Studio& studio) {
       });
 }
 
+// Changes of the light and of a homogeneous material, once they rest.
+void update_scene_history(Studio& studio) {
+  if (!studio.is_held && studio.now_s - studio.last_change_s >= rest_s) note_scene_now(studio);
+}
+
+bool may_refine(const Studio& studio) {
+  return studio.still == Still::exact && studio.mode == ViewMode::shaded &&
+         shown_mask(studio) == nullptr;
+}
+
 void update_map(Studio& studio) {
   if (studio.editor == nullptr) return;
   studio.snapshot = studio.editor->snapshot();
@@ -90,6 +107,7 @@ void update_map(Studio& studio) {
   if (!studio.is_homogeneous) {
     studio.material = std::make_shared<const Material>(*studio.snapshot->map);
     studio.shown_compressed.reset();
+    studio.compressed.clear();
   }
   studio.inspected.x = std::clamp(studio.inspected.x, 0, studio.snapshot->after.width - 1);
   studio.inspected.y = std::clamp(studio.inspected.y, 0, studio.snapshot->after.height - 1);
@@ -113,33 +131,43 @@ void update_view(Studio& studio) {
     return;
   }
   const double rested = studio.now_s - studio.last_change_s;
-  if (!studio.request_is_fine && shows_newest && rested > rest_s) request_picture(studio, true);
-  const bool wants_refined = studio.refine && studio.mode == ViewMode::shaded &&
-                             shown_mask(studio) == nullptr && studio.request_is_fine &&
-                             shows_newest && rested > refine_rest_s;
+  const bool has_ended = shows_newest || studio.pictures.last_failed() == studio.request_id;
+  if (!studio.request_is_fine && has_ended && rested > rest_s && studio.still != Still::draft)
+    request_picture(studio, true);
+  const bool wants_refined =
+      may_refine(studio) && studio.request_is_fine && shows_newest && rested > refine_rest_s;
   const bool has_refined = studio.refined != nullptr && studio.refined->id == studio.request_id;
-  if (wants_refined && !has_refined && !studio.jobs.is_running("refine")) start_refining(studio);
+  if (wants_refined && !has_refined && !studio.jobs.is_running("refine") &&
+      !studio.jobs.is_running("transport"))
+    start_refining(studio);
+}
+
+FlatRequest make_flat_request(const Studio& studio) {
+  if (studio.flat_shows_second && studio.second != nullptr)
+    return {.state = studio.second->state,
+            .map = studio.second->map,
+            .mask = nullptr,
+            .mode = studio.flat_mode,
+            .beam = {studio.second->state.width / 2, studio.second->state.height / 2}};
+  const LayerSnapshot* layer = selected_layer(studio);
+  return {.state = studio.snapshot->after,
+          .map = studio.snapshot->map,
+          .mask = layer != nullptr ? layer->mask : nullptr,
+          .mode = studio.flat_mode,
+          .beam = studio.beam};
 }
 
 void update_flat(Studio& studio) {
   if (!studio.flat_is_stale || studio.snapshot == nullptr || studio.jobs.is_running("flat")) return;
   studio.flat_is_stale = false;
-  const LayerSnapshot* layer =
-      studio.selected_layer && *studio.selected_layer < studio.snapshot->layers.size()
-          ? &studio.snapshot->layers[*studio.selected_layer]
-          : nullptr;
-  FlatRequest request{.state = studio.snapshot->after,
-                      .map = studio.snapshot->map,
-                      .mask = layer != nullptr ? layer->mask : nullptr,
-                      .mode = studio.flat_mode,
-                      .beam = studio.beam};
-  studio.jobs.start("flat", [&studio, request = std::move(request)](const Progress& progress) {
-    auto image = std::make_shared<const Image>(draw_flat(request, progress));
-    return [&studio, image] {
-      studio.flat_picture = image;
-      ++studio.flat_id;
-    };
-  });
+  studio.jobs.start("flat",
+                    [&studio, request = make_flat_request(studio)](const Progress& progress) {
+                      auto image = std::make_shared<const Image>(draw_flat(request, progress));
+                      return [&studio, image] {
+                        studio.flat_picture = image;
+                        ++studio.flat_id;
+                      };
+                    });
 }
 
 // What the table says around the inspected pixel, for the plot.
@@ -170,45 +198,16 @@ void update_autosave(Studio& studio) {
   }
 }
 
-void start_compression(Studio& studio, std::vector<int> counts) {
-  if (counts.empty()) return;
-  const int bases = counts.front();
-  counts.erase(counts.begin());
-  CompressParams params = studio.compression;
-  params.bases = bases;
-  params.weight_levels = default_weight_levels;
-  params.profile_step = default_profile_step;
-  studio.jobs.start(
-      "compress",
-      [&studio, params, counts,
-       map = studio.snapshot->map](const Progress& progress) -> Jobs::Finish {
-        const auto objective = make_blend_objective(*map, nullptr, params.objective, progress);
-        CompressState state = make_compress_state(*map, objective, params);
-        while (!state.done) {
-          advance_progress(progress, fmt::format("{} base materials", params.bases),
-                           progress_of(state));
-          advance(state);
-        }
-        const CompressErrors errors = estimate_errors(state);
-        auto blend = std::make_shared<const ProfileBlend>(make_blend(state));
-        const CompressedPoint point{.bases = params.bases,
-                                    .per_pixel = params.per_pixel,
-                                    .bytes = encode_blend(*blend, BlendEncoding::packed).size(),
-                                    .relative_error = errors.relative,
-                                    .albedo_error = errors.albedo,
-                                    .blend = blend};
-        return [&studio, point, counts] {
-          studio.compressed.push_back(point);
-          start_compression(studio, counts);
-        };
-      });
-}
-
 }  // namespace
 
 const std::vector<std::string>& tool_names() {
   static const std::vector<std::string> names{"orbit", "light", "scribble +", "scribble -",
                                               "brush", "pick",  "paint",      "stamp"};
+  return names;
+}
+
+const std::vector<std::string>& still_names() {
+  static const std::vector<std::string> names{"draft", "fine", "exact"};
   return names;
 }
 
@@ -220,7 +219,13 @@ const std::vector<std::string>& flat_mode_names() {
 
 void report(Studio& studio, std::string text, bool is_error) {
   constexpr std::size_t most = 200;
-  studio.messages.push_back({std::move(text), is_error});
+  if (is_error) studio.notice_is_seen = false;
+  if (!studio.messages.empty() && studio.messages.back().text == text) {
+    studio.messages.back().time_s = studio.now_s;
+    ++studio.messages.back().count;
+    return;
+  }
+  studio.messages.push_back({std::move(text), is_error, studio.now_s});
   if (studio.messages.size() > most) studio.messages.pop_front();
 }
 
@@ -228,6 +233,9 @@ void update(Studio& studio, double now_s) {
   studio.now_s = now_s;
   for (const std::string& error : studio.jobs.poll()) report(studio, error, true);
   update_map(studio);
+  apply_strokes(studio);
+  update_scene_history(studio);
+  update_transport(studio);
   update_view(studio);
   update_flat(studio);
   update_measured(studio);
@@ -237,13 +245,16 @@ void update(Studio& studio, double now_s) {
 bool is_settled(const Studio& studio) {
   if (!studio.jobs.views().empty() || studio.is_stale) return false;
   if (studio.snapshot != nullptr && studio.flat_is_stale) return false;
-  if (studio.editor != nullptr && studio.editor->activity().busy) return false;
+  if (studio.editor != nullptr &&
+      (studio.editor->activity().busy || studio.editor->snapshot() != studio.snapshot))
+    return false;
   if (studio.stage == nullptr || studio.material == nullptr) return true;
-  const bool shows_newest = studio.picture != nullptr && studio.picture->id == studio.request_id;
-  if (!shows_newest || !studio.request_is_fine) return false;
-  const bool wants_refined =
-      studio.refine && studio.mode == ViewMode::shaded && shown_mask(studio) == nullptr;
-  return !wants_refined || (studio.refined != nullptr && studio.refined->id == studio.request_id);
+  if (!studio.waiting_strokes.empty()) return false;
+  if (!studio.request_is_fine && studio.still != Still::draft) return false;
+  if (studio.pictures.last_failed() == studio.request_id) return true;
+  if (studio.picture == nullptr || studio.picture->id != studio.request_id) return false;
+  return !may_refine(studio) ||
+         (studio.refined != nullptr && studio.refined->id == studio.request_id);
 }
 
 void touch_view(Studio& studio) {
@@ -256,50 +267,6 @@ void touch_map(Studio& studio) {
   studio.last_change_s = studio.now_s;
   if (studio.edit_started_s < 0) studio.edit_started_s = studio.now_s;
   studio.jobs.cancel("refine");
-}
-
-void set_homogeneous(Studio& studio, const HomogeneousControls& controls) {
-  studio.is_homogeneous = true;
-  studio.homogeneous = controls;
-  Dipole dipole;
-  for (std::size_t c = 0; c < 3; ++c)
-    dipole.channels.push_back({controls.sigma_a[c], controls.sigma_s_prime[c]});
-  dipole.eta = controls.eta;
-  studio.material = std::make_shared<const Material>(std::move(dipole));
-  touch_map(studio);
-  touch_view(studio);
-}
-
-void leave_homogeneous(Studio& studio) {
-  if (!studio.is_homogeneous || studio.snapshot == nullptr) return;
-  studio.is_homogeneous = false;
-  studio.material = std::make_shared<const Material>(*studio.snapshot->map);
-  touch_view(studio);
-}
-
-void compress_map(Studio& studio) {
-  if (studio.snapshot == nullptr) return;
-  studio.compressed.clear();
-  show_compressed(studio, std::nullopt);
-  std::vector<int> counts;
-  const int most =
-      std::min<int>(studio.compression.bases, static_cast<int>(studio.snapshot->after.pixels()));
-  for (int bases = std::max(studio.compression.per_pixel, most / 8); bases < most; bases *= 2)
-    counts.push_back(bases);
-  counts.push_back(most);
-  start_compression(studio, std::move(counts));
-}
-
-void show_compressed(Studio& studio, std::optional<std::size_t> index) {
-  if (studio.shown_compressed == index || studio.is_homogeneous) return;
-  studio.shown_compressed = index;
-  studio.material = index ? std::make_shared<const Material>(*studio.compressed.at(*index).blend)
-                          : std::make_shared<const Material>(*studio.snapshot->map);
-  touch_view(studio);
-}
-
-void finish_studio(Studio& studio) {
-  remove_autosave(studio);
 }
 
 }  // namespace parian

@@ -13,7 +13,9 @@
 
 #include "app/studio/editor.h"
 #include "app/studio/jobs.h"
+#include "app/studio/layout.h"
 #include "app/studio/pictures.h"
+#include "app/studio/scene_history.h"
 #include "app/studio/stage.h"
 #include "compress/compress_params.h"
 #include "material/bssrdf_table.h"
@@ -27,6 +29,11 @@ const std::vector<std::string>& tool_names();
 enum class FlatMode { albedo, range, mean_radius, selection, uniform, disc, line, beam };
 const std::vector<std::string>& flat_mode_names();
 
+// How good the picture becomes while nothing moves: as while it moves, splatted at full size, or
+// by the exact renderer.
+enum class Still { draft, fine, exact };
+const std::vector<std::string>& still_names();
+
 struct MapPixel {
   int x = 0, y = 0;
 };
@@ -34,15 +41,28 @@ struct MapPixel {
 // A profile that the eyedropper took, of this map or of another one.
 struct PickedProfile {
   std::string map;  // path; empty: the map being edited
-  MapPixel pixel;
+  std::array<double, 2> at_mm{};
   std::vector<Profile> profiles;  // one a channel
 };
 
-// What the sliders of a homogeneous material show: per channel, in 1/mm.
-struct HomogeneousControls {
-  std::array<double, 3> sigma_a{0.004, 0.008, 0.03};
-  std::array<double, 3> sigma_s_prime{1.2, 1.3, 1.5};
-  double eta = 1.3;
+// A pattern for the stamp: a rectangle of this map or of another one.
+struct StampSource {
+  std::string map;                 // path; empty: the map being edited
+  std::array<double, 4> box_mm{};  // min x, min y, max x, max y
+};
+
+// Another material, to take profiles and patterns from.
+struct SecondMaterial {
+  std::string path;
+  EditState state;
+  std::shared_ptr<const ProfileMap> map;
+};
+
+// What was drawn with a tool, in mm on the map.
+struct Stroke {
+  Tool tool = Tool::brush;
+  std::vector<std::array<double, 2>> points;
+  bool on_second = false;  // on the second material
 };
 
 // A blend that was made of the map, for the rate-distortion list.
@@ -61,6 +81,8 @@ struct MeasuredPair {
 struct Message {
   std::string text;
   bool is_error = false;
+  double time_s = 0;
+  int count = 1;  // how often in a row
 };
 
 struct StudioPaths {
@@ -70,7 +92,7 @@ struct StudioPaths {
 
 struct Studio {
   StudioPaths paths;
-  Jobs jobs;
+  LayoutShares shares;
   PictureThread pictures;
 
   // Material: a map with its recipe, or a homogeneous one.
@@ -80,8 +102,8 @@ struct Studio {
   std::shared_ptr<const Material> original;  // before all edits
   std::shared_ptr<const SliceSource> table;  // what the map was fitted to, if known
   std::string material_path, recipe_path;
-  bool is_homogeneous = false;
   HomogeneousControls homogeneous;
+  std::shared_ptr<const SecondMaterial> second;
   std::optional<std::size_t> selected_layer;
   std::uint64_t seen_version = 0, saved_version = 0, autosaved_version = 0;
 
@@ -92,16 +114,19 @@ struct Studio {
   Lighting lighting;
   double exposure = 0;
   ViewMode mode = ViewMode::shaded;
-  bool show_selection = false;
   int view_width = 640, view_height = 480;  // of the 3-D view, in pixels
   double interactive_scale = 0.5;
-  bool refine = true;
+  Still still = Still::exact;
+
+  // Precomputed transport of the stage, for homogeneous materials (transport_job.h).
+  std::optional<PrecomputeParams> transport_params;  // none: by the size of the mesh
+  std::shared_ptr<const ReadyTransport> transport;
+  std::optional<TransportKey> transport_under_way;
+  SceneHistory scene_history;
 
   // What was asked for last, and what is shown.
   std::uint64_t request_id = 0;
-  bool request_is_fine = false;
   double last_change_s = 0;  // when something was changed last
-  bool is_stale = true;      // something changed since the last request
   std::shared_ptr<const Picture> picture;
   std::shared_ptr<const Picture> refined;         // by the CPU renderer, of the same request
   double edit_started_s = -1, edit_shown_ms = 0;  // from an edit to its picture
@@ -110,7 +135,6 @@ struct Studio {
   FlatMode flat_mode = FlatMode::albedo;
   std::shared_ptr<const Image> flat_picture;  // linear, of the map's size
   std::uint64_t flat_id = 0;                  // grows with each picture
-  bool flat_is_stale = true;
   MapPixel beam;
 
   // Tools.
@@ -119,10 +143,11 @@ struct Studio {
   std::optional<PickedProfile> picked;
   MapPixel inspected;  // whose profile is plotted
   int channel = 1;
-  std::vector<MeasuredPair> measured;                 // of the table, around the inspected pixel
-  std::array<int, 3> measured_at{-1, -1, -1};         // x, y, channel that they are of
-  std::vector<std::array<double, 2>> stroke;          // mm, while it is drawn
-  std::optional<std::array<double, 4>> stamp_source;  // mm: min x, min y, max x, max y
+  std::vector<MeasuredPair> measured;          // of the table, around the inspected pixel
+  std::array<int, 3> measured_at{-1, -1, -1};  // x, y, channel that they are of
+  Stroke stroke;                               // while it is drawn
+  std::deque<Stroke> waiting_strokes;          // until the editor has done the last one
+  std::optional<StampSource> stamp_source;
 
   // Compression.
   CompressParams compression;
@@ -134,10 +159,20 @@ struct Studio {
   std::optional<std::string> recoverable;  // path of an autosaved recipe
   std::uint64_t drags = 0;  // finished ones: a drag of a slider is one entry of the history
   double now_s = 0;
-};
 
-// Starts with the bundled sample on a mesh; fills `recoverable` when the last run ended badly.
-void start_studio(Studio& studio, const StudioPaths& paths);
+  // What is on, and what is old.
+  bool is_homogeneous = false;
+  bool show_selection = false;
+  bool use_transport = true;
+  bool request_is_fine = false;
+  bool is_stale = true;  // something changed since the last request
+  bool flat_shows_second = false;
+  bool flat_is_stale = true;
+  bool notice_is_seen = true;  // of the last error
+  bool is_held = false;        // a mouse button: what is being dragged is no entry yet
+
+  Jobs jobs;  // last: what runs ends before what it looks at
+};
 
 // Takes in what finished, asks for pictures of what changed. Once a frame.
 void update(Studio& studio, double now_s);
@@ -146,14 +181,14 @@ bool is_settled(const Studio& studio);
 
 void report(Studio& studio, std::string text, bool is_error = false);
 
-// Files, by what they are: tables (fitted first), maps, blends, meshes, recipes, scenes,
-// environments. In the background; what is wrong becomes a message.
-void open_file(Studio& studio, const std::string& path);
-void save_recipe(Studio& studio, const std::string& path);
-void save_map(Studio& studio, const std::string& path);
-void save_picture(Studio& studio, const std::string& path);
-void save_compressed(Studio& studio, std::size_t index, const std::string& path);
-void recover(Studio& studio);
+// Of the recipe, the light, the exposure and the homogeneous material, in the order in which they
+// were made.
+void undo(Studio& studio);
+void redo(Studio& studio);
+HistoryView view_history(const Studio& studio);
+void jump_to(Studio& studio, std::size_t position);
+// Makes an entry at once of what was changed beside the recipe.
+void note_scene_now(Studio& studio);
 
 // Marks the 3-D view, or all pictures of the map, as old.
 void touch_view(Studio& studio);
@@ -163,11 +198,9 @@ void set_homogeneous(Studio& studio, const HomogeneousControls& controls);
 // Back to the map.
 void leave_homogeneous(Studio& studio);
 
-// A run of compressions from few to many bases, in the background.
+// A run of compressions from few to many bases, in the background; added to those that are there of
+// the same map.
 void compress_map(Studio& studio);
 void show_compressed(Studio& studio, std::optional<std::size_t> index);
-
-// For autosave when the program ends as it should.
-void finish_studio(Studio& studio);
 
 }  // namespace parian

@@ -1,3 +1,4 @@
+// Files of the editor, by what they are, in the background; what is wrong becomes a message.
 // Autosave: the recipe and what it belongs to, kept until the program ends as it should.
 #pragma once
 
@@ -7,9 +8,40 @@
 
 namespace parian {
 
+// Tables (fitted first), maps, blends, meshes, recipes, scenes, environments (EXR, HDR) and
+// photographs (PNG, JPEG), from which a material is made.
+void open_file(Studio& studio, const std::string& path);
+// A map or blend to take profiles and patterns from.
+void open_second(Studio& studio, const std::string& path);
+
+void save_recipe(Studio& studio, const std::string& path);
+void save_map(Studio& studio, const std::string& path);
+void save_picture(Studio& studio, const std::string& path);
+void save_compressed(Studio& studio, std::size_t index, const std::string& path);
+
+// There are layers that no file holds.
+bool is_unsaved(const Studio& studio);
 void write_autosave(const Studio& studio);
-void remove_autosave(const Studio& studio);
-// Where it lies; empty without a folder for state.
+// Each running editor has a file of its own; empty without a folder for state.
 std::string autosave_path(const StudioPaths& paths);
+// What another run has left, put aside for `recover`; none: nothing.
+std::optional<std::string> find_autosave(const StudioPaths& paths);
+// Takes up what find_autosave has found, or throws it away.
+void recover(Studio& studio);
+void discard_recoverable(Studio& studio);
+
+// Starts with the bundled sample on a mesh; fills `recoverable` when the last run ended badly.
+void start_studio(Studio& studio, const StudioPaths& paths);
+// When the program ends as it should: nothing to recover, and the layout is kept.
+void finish_studio(Studio& studio);
+
+// Between the parts of this only.
+void show_map(Studio& studio, const ProfileMap& map, const std::string& path,
+              std::shared_ptr<const SliceSource> table = nullptr);
+void show_stage(Studio& studio, std::shared_ptr<const Stage> stage, const std::string& path);
+void show_recipe(Studio& studio, const std::string& path, const Document& recipe,
+                 const std::string& label);
+void remember(Studio& studio, const std::string& path);
+std::shared_ptr<const Stage> make_plain_stage(TriangleMesh mesh, const std::string& name);
 
 }  // namespace parian

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "app/studio/flat_picture.h"
+#include "app/studio/test_studio_internal.h"
 #include "app/studio/tools.h"
 #include "io/json/json.h"
 #include "judge/relight.h"
@@ -16,38 +17,6 @@
 
 namespace parian {
 namespace {
-
-ProfileMap make_map() {
-  ProfileMap map = make_profile_map(12, 10, 3, 0.5, {0, 1, 2, 3});
-  for (std::size_t k = 0; k < 4; ++k)
-    for (int c = 0; c < 3; ++c)
-      for (std::size_t i = 0; i < map.pixels(); ++i)
-        knot_plane(map, c, static_cast<int>(k))[i] =
-            -1.5f * static_cast<float>(k) - (i % 12 < 6 ? 1.0f : 2.0f);
-  return map;
-}
-
-Document make_adjust(double range_scale) {
-  Document layer = make_default_layer("adjust", "range");
-  set(layer, "range_scale", range_scale);
-  return layer;
-}
-
-struct StateFolder {
-  std::string path = (std::filesystem::temp_directory_path() / "parian-studio-test").string();
-  StateFolder() { std::filesystem::remove_all(path); }
-  ~StateFolder() { std::filesystem::remove_all(path); }
-};
-
-// As the window does, until all is done.
-void run(Studio& studio) {
-  for (int i = 0; i < 3000; ++i) {
-    update(studio, 0.01 * i + studio.last_change_s);
-    if (is_settled(studio)) return;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  FAIL() << "the studio does not come to rest";
-}
 
 TEST(Editor, EditsUndoesAndRedoes) {
   Editor editor(make_map(), {});
@@ -192,9 +161,7 @@ TEST(Studio, StartsWithTheBundledSampleAndTakesStrokes) {
   const StateFolder folder;
   Studio studio;
   start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-  studio.refine = false;
-  studio.view_width = 64;
-  studio.view_height = 48;
+  make_small(studio);
   run(studio);
   ASSERT_NE(studio.picture, nullptr);
   EXPECT_EQ(studio.picture->width, 64);
@@ -238,8 +205,7 @@ TEST(Studio, RecoversWhatWasNotSaved) {
   {
     Studio studio;
     start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-    studio.refine = false;
-    studio.view_width = studio.view_height = 32;
+    make_small(studio);
     add_layer(studio, make_adjust(0.5));
     studio.editor->wait();
     run(studio);
@@ -247,14 +213,14 @@ TEST(Studio, RecoversWhatWasNotSaved) {
   }
   Studio studio;
   start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-  studio.refine = false;
-  studio.view_width = studio.view_height = 32;
+  make_small(studio);
   ASSERT_TRUE(studio.recoverable);
   recover(studio);
   run(studio);
   ASSERT_EQ(studio.snapshot->layers.size(), 1u);
   finish_studio(studio);
-  EXPECT_FALSE(std::filesystem::exists(folder.path + "/autosave.json"));
+  EXPECT_FALSE(std::filesystem::exists(autosave_path(studio.paths)));
+  EXPECT_FALSE(find_autosave(studio.paths));
 }
 
 TEST(Studio, BadFilesBecomeMessages) {
@@ -262,8 +228,8 @@ TEST(Studio, BadFilesBecomeMessages) {
   Studio studio;
   start_studio(studio, {folder.path, "/no/such/folder"});  // no bundled sample either
   EXPECT_TRUE(studio.is_homogeneous);
-  studio.refine = false;
-  studio.view_width = studio.view_height = 32;
+  make_small(studio);
+  studio.use_transport = false;
   for (const char* name : {"/no/such.h5", "/no/such.ply", "/no/such.json", "/no/such.kbm",
                            "/no/such.exr", "/no/such"}) {
     const std::size_t before = studio.messages.size();
@@ -273,6 +239,123 @@ TEST(Studio, BadFilesBecomeMessages) {
     EXPECT_TRUE(studio.messages.back().is_error) << name;
     EXPECT_NE(studio.messages.back().text.find("/no/such"), std::string::npos);
   }
+}
+
+TEST(Studio, LeavesAutosavesOfRunningEditorsAlone) {
+  const StateFolder folder;
+  std::filesystem::create_directories(folder.path);
+  const StudioPaths paths{folder.path, ""};
+  const auto put = [&](const std::string& name) {
+    save_document(folder.path + "/" + name, Document(Document::Object{{"material", name}}));
+  };
+  EXPECT_FALSE(find_autosave(paths));
+  put("autosave-1.json");  // the first process always runs
+  put("autosave-x.json");  // no number
+  put("autosave-999999999.json.bak");
+  EXPECT_FALSE(find_autosave(paths));
+  put("autosave-999999999.json");  // beyond the largest process
+  const auto found = find_autosave(paths);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(as_string(get(load_document(*found), "material")), "autosave-999999999.json");
+  EXPECT_EQ(find_autosave(paths), found);  // until it is taken or thrown away
+  Studio studio;
+  studio.recoverable = found;
+  discard_recoverable(studio);
+  EXPECT_FALSE(find_autosave(paths));
+}
+
+TEST(Studio, UndoesTheLightBesideTheRecipe) {
+  const StateFolder folder;
+  Studio studio;
+  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
+  make_small(studio);
+  run(studio);
+  const double azimuth = studio.lighting.azimuth_deg;
+  studio.lighting.azimuth_deg = 10;
+  touch_view(studio);
+  run(studio);
+  add_layer(studio, make_adjust(2));
+  run(studio);
+  studio.use_transport = false;
+  set_homogeneous(studio, {});
+  note_scene_now(studio);
+  EXPECT_EQ(view_history(studio).position, 3u);
+  undo(studio);
+  EXPECT_FALSE(studio.is_homogeneous);
+  EXPECT_EQ(studio.snapshot->layers.size(), 1u);
+  undo(studio);
+  studio.editor->wait();
+  run(studio);
+  EXPECT_TRUE(studio.snapshot->layers.empty());
+  EXPECT_EQ(studio.lighting.azimuth_deg, 10);
+  undo(studio);
+  EXPECT_EQ(studio.lighting.azimuth_deg, azimuth);
+  jump_to(studio, 3);
+  studio.editor->wait();
+  run(studio);
+  EXPECT_EQ(studio.lighting.azimuth_deg, 10);
+  EXPECT_EQ(studio.snapshot->layers.size(), 1u);
+  EXPECT_TRUE(studio.is_homogeneous);
+}
+
+TEST(Studio, CompressionsAreInOrder) {
+  const StateFolder folder;
+  Studio studio;
+  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
+  make_small(studio);
+  studio.compression.bases = 16;
+  compress_map(studio);
+  run(studio);
+  ASSERT_EQ(studio.compressed.size(), 4u);  // 2, 4, 8, 16
+  show_compressed(studio, 3);
+  const auto shown = studio.compressed[3].blend;
+  EXPECT_TRUE(std::holds_alternative<ProfileBlend>(*studio.material));
+  studio.compression.per_pixel = 1;
+  compress_map(studio);
+  run(studio);
+  ASSERT_EQ(studio.compressed.size(), 8u);
+  EXPECT_EQ(studio.compressed[*studio.shown_compressed].blend, shown);  // another place in the list
+  for (std::size_t i = 1; i < 4; ++i) {
+    EXPECT_GT(studio.compressed[i].bytes, studio.compressed[i - 1].bytes);
+    EXPECT_LT(studio.compressed[i].relative_error, studio.compressed[i - 1].relative_error);
+  }
+  add_layer(studio, make_adjust(2));
+  studio.editor->wait();
+  run(studio);
+  EXPECT_TRUE(studio.compressed.empty());  // they were of another map
+}
+
+TEST(Studio, ARecipeThatFailsLeavesThePresentOne) {
+  const StateFolder folder;
+  Studio studio;
+  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
+  make_small(studio);
+  add_layer(studio, make_adjust(2));
+  studio.editor->wait();
+  const std::string path = folder.path + "/recipe.json";
+  const auto open = [&](const Document& layer) {
+    Document recipe{Document::Object{}};
+    set(recipe, "layers", Document::Array{layer});
+    save_document(path, recipe);
+    open_file(studio, path);
+    run(studio);
+  };
+  open(make_adjust(-1));
+  EXPECT_NE(studio.messages.back().text.find("range_scale"), std::string::npos);
+  ASSERT_EQ(studio.snapshot->layers.size(), 1u);
+  EXPECT_EQ(as_number(get(studio.snapshot->layers[0].source, "range_scale")), 2);
+  open(make_adjust(3));
+  ASSERT_EQ(studio.snapshot->layers.size(), 1u);
+  EXPECT_EQ(as_number(get(studio.snapshot->layers[0].source, "range_scale")), 3);
+  EXPECT_FALSE(is_unsaved(studio));
+}
+
+TEST(Studio, TheSameErrorIsOneMessage) {
+  Studio studio;
+  for (int i = 0; i < 3; ++i) report(studio, "no", true);
+  report(studio, "yes");
+  ASSERT_EQ(studio.messages.size(), 2u);
+  EXPECT_EQ(studio.messages[0].count, 3);
 }
 
 }  // namespace

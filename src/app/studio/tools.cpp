@@ -1,10 +1,13 @@
 #include "app/studio/tools.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
-#include <fmt/format.h>
+#include "base/error.h"
 
 namespace parian {
 namespace {
@@ -83,6 +86,22 @@ void add_with_selection(Studio& studio, Document layer, const std::string& type,
   add_layer(studio, std::move(layer));
 }
 
+Document describe_picked(const PickedProfile& picked) {
+  Document from{Document::Object{}};
+  if (!picked.map.empty()) set(from, "map", picked.map);
+  set(from, "at", Document::Array{picked.at_mm[0], picked.at_mm[1]});
+  return from;
+}
+
+PickedProfile pick_from(const EditState& state, const std::string& map, MapPixel pixel) {
+  PickedProfile picked{
+      .map = map,
+      .at_mm = {(pixel.x + 0.5) * state.pixel_pitch_mm, (pixel.y + 0.5) * state.pixel_pitch_mm}};
+  for (int c = 0; c < state.channels; ++c)
+    picked.profiles.push_back(get_profile(state, c, pixel.x, pixel.y));
+  return picked;
+}
+
 void scribble(Studio& studio, const std::vector<std::array<double, 2>>& points, bool positive) {
   Document stroke = make_scribble(points, studio.brush_radius_mm, positive);
   if (append_to_selected(studio, "propagate", "strokes", stroke)) return;
@@ -97,12 +116,7 @@ void paint(Studio& studio, const std::vector<std::array<double, 2>>& points) {
     return report(studio, "pick a profile with the eyedropper first: it is what paint is made of",
                   true);
   Document stroke = make_brush(points, studio.brush_radius_mm);
-  Document from{Document::Object{}};
-  if (!studio.picked->map.empty()) set(from, "map", studio.picked->map);
-  const double pitch = studio.snapshot->before.pixel_pitch_mm;
-  set(from, "at",
-      Document::Array{(studio.picked->pixel.x + 0.5) * pitch,
-                      (studio.picked->pixel.y + 0.5) * pitch});
+  Document from = describe_picked(*studio.picked);
   const LayerSnapshot* layer = selected_layer(studio);
   const Document* present = layer != nullptr ? find(layer->source, "from") : nullptr;
   if (present != nullptr && is_same_value(*present, from) &&
@@ -113,33 +127,81 @@ void paint(Studio& studio, const std::vector<std::array<double, 2>>& points) {
   add_with_selection(studio, std::move(painted), "union", "of", std::move(stroke));
 }
 
-void stamp(Studio& studio, const std::vector<std::array<double, 2>>& points) {
-  const auto& first = points.front();
-  const auto& last = points.back();
-  const double least = 2 * studio.snapshot->after.pixel_pitch_mm;
+Document describe_stamp(const StampSource& source) {
+  Document from{Document::Object{}};
+  if (!source.map.empty()) set(from, "map", source.map);
+  set(from, "min", Document::Array{source.box_mm[0], source.box_mm[1]});
+  set(from, "max", Document::Array{source.box_mm[2], source.box_mm[3]});
+  return from;
+}
+
+// The source's ellipse around a point; its border gives the values between which it is fitted.
+Document make_stamp_layer(const StampSource& source, const std::array<double, 2>& to) {
+  const auto& box = source.box_mm;
+  Document selection{Document::Object{}};
+  set(selection, "type", "ellipse");
+  set(selection, "center", Document::Array{to[0], to[1]});
+  set(selection, "radii", Document::Array{0.475 * (box[2] - box[0]), 0.475 * (box[3] - box[1])});
+  Document layer = make_default_layer("paste", "stamp");
+  set(layer, "from", describe_stamp(source));
+  set(layer, "to", Document::Array{to[0], to[1]});
+  set(layer, "selection", std::move(selection));
+  return layer;
+}
+
+void stamp(Studio& studio, const Stroke& stroke) {
+  const auto& first = stroke.points.front();
+  const auto& last = stroke.points.back();
+  const EditState& state = stroke.on_second ? studio.second->state : studio.snapshot->after;
+  const double least = 2 * state.pixel_pitch_mm;
   const std::array<double, 4> box{std::min(first[0], last[0]), std::min(first[1], last[1]),
                                   std::max(first[0], last[0]), std::max(first[1], last[1])};
-  const bool is_box = box[2] - box[0] >= least && box[3] - box[1] >= least;
-  if (is_box) {
-    studio.stamp_source = box;
+  if (box[2] - box[0] >= least && box[3] - box[1] >= least) {
+    studio.stamp_source = {stroke.on_second ? studio.second->path : "", box};
     return report(studio, "pattern taken; click where it goes");
   }
   if (!studio.stamp_source)
     return report(studio, "drag a rectangle around a pattern first, then click where it goes",
                   true);
-  const std::array<double, 4> source = *studio.stamp_source;
-  const double half_width = (source[2] - source[0]) / 2, half_height = (source[3] - source[1]) / 2;
-  Document from{Document::Object{}}, selection{Document::Object{}};
-  set(from, "min", Document::Array{source[0], source[1]});
-  set(from, "max", Document::Array{source[2], source[3]});
-  set(selection, "type", "ellipse");
-  set(selection, "center", Document::Array{last[0], last[1]});
-  set(selection, "radii", Document::Array{0.95 * half_width, 0.95 * half_height});
-  Document layer = make_default_layer("paste", "stamp");
-  set(layer, "from", std::move(from));
-  set(layer, "to", Document::Array{last[0], last[1]});
-  set(layer, "selection", std::move(selection));
-  add_layer(studio, std::move(layer));
+  if (stroke.on_second)
+    return report(studio, "click on the map that is edited, not on the second material", true);
+  add_layer(studio, make_stamp_layer(*studio.stamp_source, last));
+}
+
+void apply_stroke(Studio& studio, const Stroke& stroke) {
+  if (stroke.tool == Tool::stamp) return stamp(studio, stroke);
+  if (stroke.on_second)
+    return report(studio, "the second material only gives: pick from it, or stamp", true);
+  const auto points = thin_out(stroke.points, 0.25 * studio.snapshot->after.pixel_pitch_mm);
+  switch (stroke.tool) {
+    case Tool::scribble_plus:
+      return scribble(studio, points, true);
+    case Tool::scribble_minus:
+      return scribble(studio, points, false);
+    case Tool::paint:
+      return paint(studio, points);
+    case Tool::brush: {
+      Document drawn = make_brush(points, studio.brush_radius_mm);
+      if (!append_to_selected(studio, "union", "of", drawn))
+        add_with_selection(studio, make_default_layer("adjust", "brush"), "union", "of",
+                           std::move(drawn));
+      return;
+    }
+    default:
+      return;
+  }
+}
+
+Document describe_inspected(const Studio& studio) {
+  const double pitch = studio.snapshot->after.pixel_pitch_mm;
+  Document from{Document::Object{}};
+  set(from, "at",
+      Document::Array{(studio.inspected.x + 0.5) * pitch, (studio.inspected.y + 0.5) * pitch});
+  return from;
+}
+
+[[noreturn]] void throw_needs(const std::string& operation, std::string what) {
+  throw Error({{}, "layer '" + operation + "'", std::move(what), "none"});
 }
 
 }  // namespace
@@ -168,42 +230,73 @@ const LayerSnapshot* selected_layer(const Studio& studio) {
   return &studio.snapshot->layers[*studio.selected_layer];
 }
 
-void extend_stroke(Studio& studio, double x_mm, double y_mm) {
-  if (studio.snapshot == nullptr) return;
-  const EditState& state = studio.snapshot->after;
-  studio.stroke.push_back({std::clamp(x_mm, 0.0, state.width * state.pixel_pitch_mm),
-                           std::clamp(y_mm, 0.0, state.height * state.pixel_pitch_mm)});
+Document make_starting_layer(const Studio& studio, const std::string& operation) {
+  Document layer = make_default_layer(operation, operation);
+  if (studio.snapshot == nullptr) throw_needs(operation, "a map to be open");
+  if (operation == "blend") {
+    if (!studio.picked) throw_needs(operation, "a profile, picked with the eyedropper first,");
+    set(layer, "from", describe_picked(*studio.picked));
+    set(layer, "opacity", 0.5);
+  } else if (operation == "paste") {
+    if (!studio.stamp_source) throw_needs(operation, "a rectangle, dragged with the stamp first,");
+    const EditState& state = studio.snapshot->after;
+    return make_stamp_layer(*studio.stamp_source, {0.5 * state.width * state.pixel_pitch_mm,
+                                                   0.5 * state.height * state.pixel_pitch_mm});
+  } else if (operation == "interpolate") {
+    throw_needs(operation, "a scribble first, which it then spreads (write its strokes as text)");
+  } else if (operation == "hallucinate") {
+    throw_needs(operation, "a photograph: choose File, Material from photograph");
+  } else if (operation == "resample") {
+    set(layer, "pixel_pitch_mm", 2 * studio.snapshot->after.pixel_pitch_mm);
+  } else if (operation == "crop") {
+    set(layer, "unit", "relative");
+    set(layer, "min", Document::Array{0.25, 0.25});
+    set(layer, "max", Document::Array{0.75, 0.75});
+  }
+  return layer;
+}
+
+void hallucinate(Studio& studio, const std::string& photograph) {
+  if (studio.snapshot == nullptr)
+    return report(studio, photograph + ": open a map first, which gives range and shape", true);
+  Document pin{Document::Object{}}, layer = make_default_layer("hallucinate", "hallucinate");
+  set(pin, "at", Document::Array{0.5, 0.5});
+  set(pin, "from", describe_inspected(studio));
+  set(layer, "photograph", std::filesystem::absolute(photograph).string());
+  set(layer, "pins", Document::Array{std::move(pin)});
+  // At the end: it makes a map of its own from all that is below.
+  studio.selected_layer.reset();
+  add_layer(studio, std::move(layer));
+  report(studio, "a material from " + std::filesystem::path(photograph).filename().string() +
+                     " with the range of the inspected pixel");
+}
+
+void extend_stroke(Studio& studio, double x_mm, double y_mm, bool on_second) {
+  if (studio.snapshot == nullptr || (on_second && studio.second == nullptr)) return;
+  const EditState& state = on_second ? studio.second->state : studio.snapshot->after;
+  studio.stroke.tool = studio.tool;
+  studio.stroke.on_second = on_second;
+  studio.stroke.points.push_back({std::clamp(x_mm, 0.0, state.width * state.pixel_pitch_mm),
+                                  std::clamp(y_mm, 0.0, state.height * state.pixel_pitch_mm)});
 }
 
 void finish_stroke(Studio& studio) {
-  const auto drawn = std::exchange(studio.stroke, {});
-  if (drawn.empty() || studio.snapshot == nullptr) return;
-  if (studio.editor->activity().busy) studio.editor->wait();
-  studio.snapshot = studio.editor->snapshot();
-  if (studio.tool == Tool::stamp) return stamp(studio, drawn);
-  const auto points = thin_out(drawn, 0.25 * studio.snapshot->after.pixel_pitch_mm);
-  switch (studio.tool) {
-    case Tool::scribble_plus:
-      return scribble(studio, points, true);
-    case Tool::scribble_minus:
-      return scribble(studio, points, false);
-    case Tool::paint:
-      return paint(studio, points);
-    case Tool::brush: {
-      Document stroke = make_brush(points, studio.brush_radius_mm);
-      if (!append_to_selected(studio, "union", "of", stroke))
-        add_with_selection(studio, make_default_layer("adjust", "brush"), "union", "of",
-                           std::move(stroke));
-      return;
-    }
-    default:
-      return;
-  }
+  Stroke drawn = std::exchange(studio.stroke, {});
+  if (drawn.points.empty() || studio.snapshot == nullptr) return;
+  studio.waiting_strokes.push_back(std::move(drawn));
+  apply_strokes(studio);
 }
 
-std::optional<MapPixel> pixel_at(const Studio& studio, double x_mm, double y_mm) {
-  if (studio.snapshot == nullptr) return std::nullopt;
-  const EditState& state = studio.snapshot->after;
+void apply_strokes(Studio& studio) {
+  if (studio.waiting_strokes.empty() || studio.editor == nullptr) return;
+  if (studio.editor->activity().busy) return;
+  studio.snapshot = studio.editor->snapshot();
+  const Stroke next = std::move(studio.waiting_strokes.front());
+  studio.waiting_strokes.pop_front();
+  if (!next.on_second || studio.second != nullptr) apply_stroke(studio, next);
+}
+
+std::optional<MapPixel> pixel_at(const EditState& state, double x_mm, double y_mm) {
   const double x = std::floor(x_mm / state.pixel_pitch_mm),
                y = std::floor(y_mm / state.pixel_pitch_mm);
   if (!(x >= 0 && y >= 0 && x < state.width && y < state.height)) return std::nullopt;
@@ -216,11 +309,23 @@ void pick_pixel(Studio& studio, MapPixel pixel) {
   studio.beam = pixel;
   if (studio.flat_mode == FlatMode::beam) studio.flat_is_stale = true;
   if (studio.tool != Tool::eyedropper) return;
+  studio.picked = pick_from(studio.snapshot->after, "", pixel);
+}
+
+void pick_second(Studio& studio, double x_mm, double y_mm) {
+  if (studio.second == nullptr || studio.tool != Tool::eyedropper) return;
+  if (const auto pixel = pixel_at(studio.second->state, x_mm, y_mm))
+    studio.picked = pick_from(studio.second->state, studio.second->path, *pixel);
+}
+
+std::optional<std::array<double, 2>> mesh_to_map(const Studio& studio, double px, double py) {
+  if (studio.stage == nullptr || studio.snapshot == nullptr) return std::nullopt;
   const EditState& state = studio.snapshot->after;
-  PickedProfile picked{.pixel = pixel};
-  for (int c = 0; c < state.channels; ++c)
-    picked.profiles.push_back(get_profile(state, c, pixel.x, pixel.y));
-  studio.picked = std::move(picked);
+  const SampleGrid grid{state.width, state.height, state.pixel_pitch_mm};
+  const Camera camera = make_camera(studio.orbit, studio.view_width, studio.view_height);
+  const std::optional<MapPlace> place = pick(*studio.stage, grid, camera, px, py);
+  if (!place) return std::nullopt;
+  return std::array{(place->x + 0.5) * grid.pixel_pitch_mm, (place->y + 0.5) * grid.pixel_pitch_mm};
 }
 
 void set_shape_point(Studio& studio, double u, double factor) {

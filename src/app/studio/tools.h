@@ -1,6 +1,7 @@
 // What strokes and clicks in the flat view or on the mesh do: they become layers of the recipe.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -15,15 +16,28 @@ void add_layer(Studio& studio, Document layer);
 // The layer that is selected, or null.
 const LayerSnapshot* selected_layer(const Studio& studio);
 
+// A layer that an operation can start with: with what was picked, stamped or inspected where it
+// needs that. Throws Error that says what to do first.
+Document make_starting_layer(const Studio& studio, const std::string& operation);
+// A material from a photograph, with the range and shape of the inspected pixel.
+void hallucinate(Studio& studio, const std::string& photograph);
+
 // A stroke is drawn point by point, in mm, and done by finish_stroke: scribbles and brushes go into
 // the selected layer's selection where it is of their kind, otherwise into a new layer; paint mixes
-// in the picked profile; the stamp takes its source, then puts it down.
-void extend_stroke(Studio& studio, double x_mm, double y_mm);
+// in the picked profile; the stamp takes its source, then puts it down. Nothing waits: while the
+// editor works strokes are kept, and apply_strokes, once a frame, does them.
+void extend_stroke(Studio& studio, double x_mm, double y_mm, bool on_second = false);
 void finish_stroke(Studio& studio);
+void apply_strokes(Studio& studio);
 
 // The eyedropper, and where profiles are plotted.
 void pick_pixel(Studio& studio, MapPixel pixel);
-std::optional<MapPixel> pixel_at(const Studio& studio, double x_mm, double y_mm);
+// The eyedropper on the second material.
+void pick_second(Studio& studio, double x_mm, double y_mm);
+std::optional<MapPixel> pixel_at(const EditState& state, double x_mm, double y_mm);
+
+// The place on the map, in mm, under a pixel of the 3-D view.
+std::optional<std::array<double, 2>> mesh_to_map(const Studio& studio, double px, double py);
 
 // The shape curve: factors at u = r / range; becomes or changes a layer of operation `shape`.
 void set_shape_point(Studio& studio, double u, double factor);

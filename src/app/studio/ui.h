@@ -2,8 +2,10 @@
 // studio.h and tools.h; nothing is computed here.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/studio/probe.h"
 #include "app/studio/studio.h"
@@ -14,7 +16,15 @@ namespace parian {
 
 // A choice of files by walking through folders.
 struct FileDialog {
-  enum class Action { open, save_recipe, save_map, save_picture, save_compressed };
+  enum class Action {
+    open,
+    open_second,
+    open_photograph,
+    save_recipe,
+    save_map,
+    save_picture,
+    save_blend
+  };
   Action action = Action::open;
   bool wants_open = false;
   std::string folder, name;
@@ -35,8 +45,9 @@ struct Ui {
   // The layer whose text is being edited, and the text.
   std::optional<std::size_t> text_layer;
   std::string text;
-  bool text_is_old = true;
-  std::optional<double> shape_drag;  // the point of the shape curve that is held
+  std::string edited_key;                         // of the parameter that was changed last
+  std::optional<double> shape_drag;               // the point of the shape curve that is held
+  std::vector<std::array<float, 2>> view_stroke;  // a stroke on the mesh, on the screen
 };
 
 void draw_menu(Ui& ui);
@@ -45,17 +56,40 @@ void draw_view(Ui& ui);
 void draw_flat_view(Ui& ui);
 void draw_profile(Ui& ui);
 void draw_status(Ui& ui);
+void draw_notice(Ui& ui, const PanelBox& view);
 void draw_layers(Ui& ui);
 void draw_material(Ui& ui);
 void draw_light(Ui& ui);
 void draw_compression(Ui& ui);
 void draw_history(Ui& ui);
 void draw_statistics(Ui& ui);
+void draw_messages(Ui& ui);
+void draw_help(Ui& ui);
 void draw_dialogs(Ui& ui);
+// True: the program may end. Unsaved recipes are asked about.
+bool draw_quit(Ui& ui);
 void handle_shortcuts(Ui& ui);
+void start_dialog(Ui& ui, FileDialog::Action action, const std::string& name);
+void save_present_recipe(Ui& ui);
 
 // Sliders for described parameters inside a document: sets changed keys there and returns true.
 // `ended`: a drag was let go.
 bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ended);
+
+// The item that ImGui drew last, for scripted runs.
+void mark(Probe& probe, const std::string& name);
+// A list that drops down; each entry is marked as group/name.
+bool draw_names(Ui& ui, const std::string& group, const std::vector<std::string>& names,
+                std::size_t& value);
+template <typename Enum>
+bool draw_choice(Ui& ui, const std::string& group, const std::vector<std::string>& names,
+                 Enum& value) {
+  auto index = static_cast<std::size_t>(value);
+  if (!draw_names(ui, group, names, index)) return false;
+  value = static_cast<Enum>(index);
+  return true;
+}
+// Help for the item that ImGui drew last.
+void explain(const char* text);
 
 }  // namespace parian

@@ -10,9 +10,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <filesystem>
 #include <utility>
 
+#include "app/studio/theme.h"
 #include "base/error.h"
 #include "gl/screen.h"
 
@@ -34,25 +34,6 @@ constexpr std::array<Version, 2> versions{
     Version{GLFW_OPENGL_API, 3, 3, "#version 330 core"},
     Version{GLFW_OPENGL_ES_API, 3, 0, "#version 300 es"},
 };
-
-void set_style(float scale) {
-  ImGui::StyleColorsDark();
-  ImGuiStyle& style = ImGui::GetStyle();
-  style.WindowRounding = 0;
-  style.FrameRounding = 3;
-  style.GrabRounding = 3;
-  style.WindowBorderSize = 0;
-  style.Colors[ImGuiCol_WindowBg] = ImVec4(0.11f, 0.11f, 0.12f, 1);
-  style.ScaleAllSizes(scale);
-  // Sharp at any size where there is such a font; the built-in one otherwise.
-  const char* font = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
-  std::error_code ignored;
-  ImGuiIO& io = ImGui::GetIO();
-  if (std::filesystem::exists(font, ignored))
-    io.Fonts->AddFontFromFileTTF(font, 14 * scale);
-  else
-    io.FontGlobalScale = scale;
-}
 
 // What is printed on the key, where that is a letter or digit.
 int printed_key(int key, int scancode) {
@@ -111,12 +92,13 @@ Window::Window(const WindowParams& params) : impl_(std::make_unique<Impl>()) {
   });
   float x = 1, y = 1;
   glfwGetWindowContentScale(impl_->window, &x, &y);
-  impl_->scale = static_cast<double>(std::clamp(x, 0.5f, 4.0f));
+  const double scale = params.scale > 0 ? params.scale : static_cast<double>(x);
+  impl_->scale = std::clamp(scale, 0.5, 4.0);
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;
   ImGui::GetIO().ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
-  set_style(static_cast<float>(impl_->scale));
+  set_theme(static_cast<float>(impl_->scale));
   ImGui_ImplGlfw_InitForOpenGL(impl_->window, true);
   ImGui_ImplOpenGL3_Init(shaders);
   glfwSetKeyCallback(

@@ -17,6 +17,7 @@ struct KeyPress {
 
 struct WindowParams {
   int width = 1440, height = 900;
+  double scale = 0;  // of text and widgets; 0: the display's
   std::string title;
   std::function<void(const std::string& path)> on_drop;  // files dropped on the window
 };

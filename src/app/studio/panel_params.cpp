@@ -29,14 +29,19 @@ bool draw_numbers(Ui& ui, const char* label, std::vector<double>& values, const 
   ImGui::PushID(label);
   if (!each) {
     double one = values.empty() ? 1 : values.front();
-    changed = draw_number(label, one, param);
+    const float spacing = ImGui::GetStyle().ItemInnerSpacing.x;
+    const float button = ImGui::CalcTextSize("rgb").x + 2 * ImGui::GetStyle().FramePadding.x;
+    ImGui::SetNextItemWidth(std::max(1.0f, ImGui::CalcItemWidth() - button - spacing));
+    changed = draw_number("##one", one, param);
     if (changed) values = {one};
     mark(ui.probe, fmt::format("param/{}", label));
-    ImGui::SameLine();
-    if (ImGui::SmallButton("rgb")) {
+    ImGui::SameLine(0, spacing);
+    if (ImGui::Button("rgb", {button, 0})) {
       values = {one, one, one};
       changed = true;
     }
+    ImGui::SameLine(0, spacing);
+    ImGui::TextUnformatted(label);
     ImGui::PopID();
     return changed;
   }
@@ -44,6 +49,19 @@ bool draw_numbers(Ui& ui, const char* label, std::vector<double>& values, const 
   for (std::size_t c = 0; c < values.size(); ++c)
     changed |= draw_number(c < 3 ? channels[c] : "?", values[c], param);
   ImGui::PopID();
+  return changed;
+}
+
+bool draw_choice_param(const char* text, const ChoiceTarget& choice) {
+  const int index = choice.get();
+  bool changed = false;
+  if (!ImGui::BeginCombo(text, choice.names[static_cast<std::size_t>(index)].c_str())) return false;
+  for (int i = 0; i < static_cast<int>(choice.names.size()); ++i)
+    if (ImGui::Selectable(choice.names[static_cast<std::size_t>(i)].c_str(), i == index)) {
+      choice.set(i);
+      changed = true;
+    }
+  ImGui::EndCombo();
   return changed;
 }
 
@@ -62,18 +80,7 @@ bool draw_param(Ui& ui, const std::string& label, const Param& param) {
     return ImGui::InputText(text, *words);
   if (auto* const* numbers = std::get_if<std::vector<double>*>(&param.target))
     return draw_numbers(ui, text, **numbers, param);
-  const auto& choice = std::get<ChoiceTarget>(param.target);
-  int index = choice.get();
-  bool changed = false;
-  if (ImGui::BeginCombo(text, choice.names[static_cast<std::size_t>(index)].c_str())) {
-    for (int i = 0; i < static_cast<int>(choice.names.size()); ++i)
-      if (ImGui::Selectable(choice.names[static_cast<std::size_t>(i)].c_str(), i == index)) {
-        choice.set(i);
-        changed = true;
-      }
-    ImGui::EndCombo();
-  }
-  return changed;
+  return draw_choice_param(text, std::get<ChoiceTarget>(param.target));
 }
 
 // What the document says of one parameter; what cannot be read keeps its default.
@@ -90,6 +97,15 @@ void take_over(const Document& document, const Param& param) {
   read_params(one, {param});
 }
 
+void take_value(Document& document, const Param& param, const std::string& key) {
+  Document value = get(write_params({param}), key);
+  // One number for all channels is written as such.
+  if (auto* array = std::get_if<Document::Array>(&value.value);
+      array != nullptr && array->size() == 1)
+    value = Document(array->front());
+  set(document, key, std::move(value));
+}
+
 }  // namespace
 
 bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ended) {
@@ -102,20 +118,13 @@ bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ende
     const bool is_changed = draw_param(ui, key, param);
     ImGui::EndGroup();
     if (is_changed) {
-      Document written = write_params({param});
-      Document value = get(written, key);
-      // One number for all channels is written as such.
-      if (auto* array = std::get_if<Document::Array>(&value.value);
-          array != nullptr && array->size() == 1)
-        value = Document(array->front());
-      set(document, key, std::move(value));
-      changed = true;
+      take_value(document, param, key);
+      ui.edited_key = key;
     }
+    changed |= is_changed;
     ended |= ImGui::IsItemDeactivatedAfterEdit();
     if (!std::holds_alternative<std::vector<double>*>(param.target)) mark(ui.probe, "param/" + key);
-    if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("%s%s%s", param.help.c_str(), param.unit.empty() ? "" : ", ",
-                        param.unit.c_str());
+    explain((param.help + (param.unit.empty() ? "" : ", " + param.unit)).c_str());
   }
   return changed;
 }

@@ -11,7 +11,7 @@
 #include "material/bssrdf_table.h"
 #include "material/profile_map.h"
 
-namespace parian::paper_2009 {
+namespace parian {
 
 // R_d between pixel (x, y) and (x + d), in either half plane; NaN where the table has none.
 double table_value(const BssrdfTable& table, int channel, int x, int y, Offset d);
@@ -57,4 +57,4 @@ Image draw_legend(const std::vector<LegendEntry>& entries, int width);
 // Rows of images, each aligned at the top, on white.
 Image arrange(const std::vector<std::vector<Image>>& rows, int gap = 10);
 
-}  // namespace parian::paper_2009
+}  // namespace parian

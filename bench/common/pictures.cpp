@@ -1,4 +1,4 @@
-#include "bench/paper_2009/pictures.h"
+#include "bench/common/pictures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "judge/false_color.h"
 #include "judge/plot.h"
 
-namespace parian::paper_2009 {
+namespace parian {
 namespace {
 
 constexpr Color ink{0.012f, 0.014f, 0.02f}, missing_color{0.72f, 0.72f, 0.72f};
@@ -206,4 +206,4 @@ Image arrange(const std::vector<std::vector<Image>>& rows, int gap) {
   return page;
 }
 
-}  // namespace parian::paper_2009
+}  // namespace parian

@@ -1,0 +1,197 @@
+// The 3-D view, and what the mouse does in it.
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "app/studio/tools.h"
+#include "app/studio/ui.h"
+#include "scene/camera.h"
+
+namespace parian {
+namespace {
+
+constexpr ImU32 positive_color = IM_COL32(255, 220, 60, 200);
+constexpr ImU32 negative_color = IM_COL32(255, 60, 220, 200);
+constexpr ImU32 faint_color = IM_COL32(255, 255, 255, 130);
+
+void upload_view(Ui& ui) {
+  Studio& studio = ui.studio;
+  const bool has_refined =
+      studio.refined != nullptr && studio.refined->id == studio.request_id && !studio.is_stale;
+  const Picture* shown = has_refined ? studio.refined.get() : studio.picture.get();
+  if (shown == nullptr || (shown->id == ui.view_id && has_refined == ui.view_is_refined)) return;
+  ui.view.upload(shown->rgba, shown->width, shown->height, /*smooth=*/true);
+  ui.view_id = shown->id;
+  ui.view_is_refined = has_refined;
+}
+
+bool is_drawing_tool(Tool tool) {
+  return tool != Tool::orbit && tool != Tool::light && tool != Tool::eyedropper;
+}
+
+void drag_light(Studio& studio, ImVec2 delta, bool environment) {
+  const double scale = 180.0 / std::max(1, studio.view_height);
+  const double dx = static_cast<double>(delta.x) * scale;
+  if (environment) {
+    studio.lighting.rotation_deg = std::remainder(studio.lighting.rotation_deg + dx, 360.0);
+  } else {
+    studio.lighting.azimuth_deg = std::remainder(studio.lighting.azimuth_deg + dx, 360.0);
+    studio.lighting.elevation_deg = std::clamp(
+        studio.lighting.elevation_deg - static_cast<double>(delta.y) * scale, -89.0, 89.0);
+  }
+  touch_view(studio);
+}
+
+// On the mesh strokes run over the map under it.
+void stroke_on_mesh(Ui& ui, ImVec2 at, ImVec2 origin, bool picks) {
+  Studio& studio = ui.studio;
+  if (studio.is_homogeneous || studio.snapshot == nullptr || studio.stage == nullptr) return;
+  const EditState& state = studio.snapshot->after;
+  const std::optional<std::array<double, 2>> place =
+      mesh_to_map(studio, static_cast<double>(at.x), static_cast<double>(at.y));
+  if (!place) return;
+  if (picks) {
+    if (const auto pixel = pixel_at(state, (*place)[0], (*place)[1])) pick_pixel(studio, *pixel);
+    return;
+  }
+  // A stroke does not run across the seam between tiles: it ends there.
+  const auto& points = studio.stroke.points;
+  const bool jumps = !points.empty() &&
+                     std::hypot((*place)[0] - points.back()[0], (*place)[1] - points.back()[1]) >
+                         0.25 * state.width * state.pixel_pitch_mm;
+  if (jumps) finish_stroke(studio);
+  extend_stroke(studio, (*place)[0], (*place)[1]);
+  ui.view_stroke.push_back({origin.x + at.x, origin.y + at.y});
+}
+
+void drag_camera(Studio& studio, const ImGuiIO& io) {
+  const auto dx = static_cast<double>(io.MouseDelta.x), dy = static_cast<double>(io.MouseDelta.y);
+  if (ImGui::IsMouseDown(2)) {
+    pan(studio.orbit, dx, dy, studio.view_height);
+    touch_view(studio);
+  } else if (ImGui::IsMouseDown(1) || studio.tool == Tool::light) {
+    drag_light(studio, io.MouseDelta, io.KeyCtrl);
+  } else if (studio.tool == Tool::orbit) {
+    turn(studio.orbit, dx, dy, studio.view_height);
+    touch_view(studio);
+  }
+}
+
+void handle_view_mouse(Ui& ui, ImVec2 origin) {
+  Studio& studio = ui.studio;
+  const ImGuiIO& io = ImGui::GetIO();
+  const ImVec2 at{io.MousePos.x - origin.x, io.MousePos.y - origin.y};
+  const bool hovered = ImGui::IsItemHovered(), active = ImGui::IsItemActive();
+  if (hovered && io.MouseWheel != 0) {
+    zoom(studio.orbit, static_cast<double>(io.MouseWheel));
+    touch_view(studio);
+  }
+  const bool draws = is_drawing_tool(studio.tool);
+  if (active && ImGui::IsMouseDown(0) && studio.tool == Tool::eyedropper)
+    stroke_on_mesh(ui, at, origin, true);
+  if (active && draws && ImGui::IsMouseDown(0)) stroke_on_mesh(ui, at, origin, false);
+  if (ImGui::IsItemDeactivated()) {
+    if (draws) finish_stroke(studio);
+    ui.view_stroke.clear();
+  }
+  if (active && (io.MouseDelta.x != 0 || io.MouseDelta.y != 0)) drag_camera(studio, io);
+}
+
+// The stroke that is being drawn, and how large the brush is where it would touch.
+void draw_brush(const Ui& ui) {
+  const Studio& studio = ui.studio;
+  if (!is_drawing_tool(studio.tool) || studio.tool == Tool::stamp || studio.is_homogeneous) return;
+  const ImU32 color = studio.tool == Tool::scribble_minus ? negative_color : positive_color;
+  const CameraFrame frame =
+      make_camera_frame(make_camera(studio.orbit, studio.view_width, studio.view_height));
+  const double per_mm =
+      studio.view_height / (2 * frame.half_height * std::max(1e-6, studio.orbit.distance_mm));
+  const auto radius = std::max(1.0f, static_cast<float>(studio.brush_radius_mm * per_mm));
+  std::vector<ImVec2> line;
+  line.reserve(ui.view_stroke.size());
+  for (const auto& [x, y] : ui.view_stroke) line.emplace_back(x, y);
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddPolyline(line.data(), static_cast<int>(line.size()), color, 0, 2 * radius);
+  if (ImGui::IsItemHovered()) list->AddCircle(ImGui::GetIO().MousePos, radius, color, 24, 1.5f);
+}
+
+// Where the lamp is, seen from the eye: a ball lit from there, hollow when it comes from behind.
+void draw_lamp(const Studio& studio, ImVec2 origin, ImVec2 size) {
+  const std::vector<Light> lights = make_lights(studio.lighting);
+  const auto* lamp = lights.empty() ? nullptr : std::get_if<DirectionalLight>(&lights.back());
+  if (lamp == nullptr) return;
+  const CameraFrame frame = make_camera_frame(make_camera(studio.orbit, 64, 64));
+  const float em = ImGui::GetFontSize(), radius = 1.3f * em;
+  if (size.x < 6 * em || size.y < 6 * em) return;
+  const ImVec2 center{origin.x + size.x - 2 * em, origin.y + size.y - 2 * em};
+  const float right = dot(lamp->direction, frame.right), up = dot(lamp->direction, frame.up);
+  const bool is_behind = dot(lamp->direction, frame.forward) > 0;
+  const ImVec2 spot{center.x + right * radius, center.y - up * radius};
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddCircle(center, radius, faint_color, 24, 1);
+  list->AddLine(center, spot, faint_color, 1);
+  if (is_behind)
+    list->AddCircle(spot, 0.3f * em, positive_color, 12, 1.5f);
+  else
+    list->AddCircleFilled(spot, 0.34f * em, positive_color, 12);
+}
+
+void draw_view_options(Ui& ui) {
+  Studio& studio = ui.studio;
+  const float em = ImGui::GetFontSize();
+  ImGui::SetNextItemWidth(8 * em);
+  if (draw_choice(ui, "view mode", view_mode_names(), studio.mode)) touch_view(studio);
+  explain("what the view shows (V); difference: four times what the edits have changed");
+  ImGui::SameLine();
+  if (ImGui::Checkbox("selection", &studio.show_selection)) touch_view(studio);
+  mark(ui.probe, "show selection");
+  explain("the selected layer's selection in red (M)");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(5.5f * em);
+  if (draw_choice(ui, "still", still_names(), studio.still)) touch_view(studio);
+  explain("how good the picture becomes while nothing moves; exact: by the CPU renderer");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(std::max(4 * em, ImGui::GetContentRegionAvail().x));
+  auto exposure = static_cast<float>(studio.exposure);
+  if (ImGui::DragFloat("##exposure", &exposure, 0.02f, -5, 5, "exposure %+.1f stops",
+                       ImGuiSliderFlags_AlwaysClamp)) {
+    studio.exposure = static_cast<double>(exposure);
+    touch_view(studio);
+  }
+  mark(ui.probe, "exposure");
+  explain("drag to the left and right (- and +)");
+}
+
+}  // namespace
+
+void draw_view(Ui& ui) {
+  Studio& studio = ui.studio;
+  draw_view_options(ui);
+  const ImVec2 room = ImGui::GetContentRegionAvail();
+  const int width = std::max(16, static_cast<int>(room.x)),
+            height = std::max(16, static_cast<int>(room.y));
+  if (width != studio.view_width || height != studio.view_height) {
+    studio.view_width = width;
+    studio.view_height = height;
+    touch_view(studio);
+  }
+  upload_view(ui);
+  const ImVec2 origin = ImGui::GetCursorScreenPos();
+  const ImVec2 size{static_cast<float>(width), static_cast<float>(height)};
+  ImGui::InvisibleButton("view", size,
+                         ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
+                             ImGuiButtonFlags_MouseButtonMiddle);
+  mark(ui.probe, "view");
+  handle_view_mouse(ui, origin);
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->PushClipRect(origin, {origin.x + size.x, origin.y + size.y}, true);
+  if (ui.view.width() > 0)
+    list->AddImage(ui.view.id(), origin, {origin.x + size.x, origin.y + size.y});
+  draw_brush(ui);
+  draw_lamp(studio, origin, size);
+  list->PopClipRect();
+}
+
+}  // namespace parian

@@ -1,0 +1,75 @@
+#include "app/studio/scene_history.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace parian {
+namespace {
+
+std::string label_of(const SceneState& before, const SceneState& after) {
+  if (before.is_homogeneous != after.is_homogeneous)
+    return after.is_homogeneous ? "homogeneous material" : "back to the map";
+  if (!(before.homogeneous == after.homogeneous)) return "coefficients";
+  if (before.exposure != after.exposure) return "exposure";
+  if (before.lighting.image != after.lighting.image) return "environment";
+  return "light";
+}
+
+}  // namespace
+
+void note_scene(SceneHistory& history, const SceneState& state, std::size_t recipe_entries) {
+  if (!history.present) history.present = state;
+  if (*history.present == state) return;
+  const SceneState before = *std::exchange(history.present, state);
+  history.done.push_back({before, state, label_of(before, state), recipe_entries});
+  if (history.done.size() > max_scene_entries) history.done.erase(history.done.begin());
+  history.undone.clear();
+}
+
+HistoryView view_history(const SceneHistory& history, const std::vector<std::string>& recipe_done,
+                         const std::vector<std::string>& recipe_undone) {
+  HistoryView view;
+  std::size_t scene = 0;
+  const auto add_scene_up_to = [&](std::size_t recipe_entries) {
+    while (scene < history.done.size() && history.done[scene].recipe_entries <= recipe_entries)
+      view.rows.push_back({history.done[scene++].label, true});
+  };
+  add_scene_up_to(0);
+  for (std::size_t i = 0; i < recipe_done.size(); ++i) {
+    view.rows.push_back({recipe_done[i], false});
+    add_scene_up_to(i + 1);
+  }
+  // What was made after entries that are undone by now.
+  add_scene_up_to(static_cast<std::size_t>(-1));
+  view.position = view.rows.size();
+  // `undone` holds the next one last.
+  auto next = history.undone.rbegin();
+  const auto add_undone = [&](std::size_t recipe_entries) {
+    for (; next != history.undone.rend() && next->recipe_entries <= recipe_entries; ++next)
+      view.rows.push_back({next->label, true});
+  };
+  add_undone(recipe_done.size());
+  for (std::size_t i = 0; i < recipe_undone.size(); ++i) {
+    view.rows.push_back({recipe_undone[i], false});
+    add_undone(recipe_done.size() + i + 1);
+  }
+  return view;
+}
+
+std::optional<SceneState> undo_scene(SceneHistory& history) {
+  if (history.done.empty()) return std::nullopt;
+  history.present = history.done.back().before;
+  history.undone.push_back(std::move(history.done.back()));
+  history.done.pop_back();
+  return history.present;
+}
+
+std::optional<SceneState> redo_scene(SceneHistory& history) {
+  if (history.undone.empty()) return std::nullopt;
+  history.present = history.undone.back().after;
+  history.done.push_back(std::move(history.undone.back()));
+  history.undone.pop_back();
+  return history.present;
+}
+
+}  // namespace parian

@@ -1,0 +1,73 @@
+#include "app/studio/scene_history.h"
+
+#include <gtest/gtest.h>
+
+namespace parian {
+namespace {
+
+SceneState lit(double lamp) {
+  SceneState state;
+  state.lighting.lamp = lamp;
+  return state;
+}
+
+std::vector<std::string> labels(const HistoryView& view) {
+  std::vector<std::string> names;
+  for (const HistoryRow& row : view.rows) names.push_back(row.label);
+  return names;
+}
+
+TEST(SceneHistory, NotesWhatChanged) {
+  SceneHistory history;
+  note_scene(history, lit(1), 0);
+  note_scene(history, lit(1), 0);
+  EXPECT_TRUE(history.done.empty());
+  note_scene(history, lit(2), 0);
+  SceneState other = lit(2);
+  other.exposure = 1;
+  note_scene(history, other, 0);
+  other.homogeneous.g[1] = 0.5;
+  note_scene(history, other, 0);
+  other.is_homogeneous = true;
+  note_scene(history, other, 0);
+  EXPECT_EQ(
+      labels(view_history(history, {}, {})),
+      (std::vector<std::string>{"light", "exposure", "coefficients", "homogeneous material"}));
+}
+
+TEST(SceneHistory, UndoGivesBackEachState) {
+  SceneHistory history;
+  for (const double lamp : {1.0, 2.0, 3.0}) note_scene(history, lit(lamp), 0);
+  EXPECT_EQ(undo_scene(history), lit(2));
+  EXPECT_EQ(undo_scene(history), lit(1));
+  EXPECT_FALSE(undo_scene(history));
+  EXPECT_EQ(redo_scene(history), lit(2));
+  note_scene(history, lit(2), 0);  // as it is: nothing is forgotten
+  EXPECT_EQ(redo_scene(history), lit(3));
+  EXPECT_FALSE(redo_scene(history));
+  undo_scene(history);
+  note_scene(history, lit(7), 0);
+  EXPECT_FALSE(redo_scene(history));  // another way was taken
+}
+
+TEST(SceneHistory, RunsBesideTheRecipe) {
+  SceneHistory history;
+  note_scene(history, lit(0), 0);
+  note_scene(history, lit(1), 0);  // before any edit
+  note_scene(history, lit(2), 1);  // after "a"
+  note_scene(history, lit(3), 1);
+  HistoryView view = view_history(history, {"a", "b"}, {});
+  EXPECT_EQ(labels(view), (std::vector<std::string>{"light", "a", "light", "light", "b"}));
+  EXPECT_EQ(view.position, 5u);
+  // "b" is undone, then two of the light's, then "a".
+  undo_scene(history);
+  undo_scene(history);
+  view = view_history(history, {}, {"a", "b"});
+  EXPECT_EQ(labels(view), (std::vector<std::string>{"light", "a", "light", "light", "b"}));
+  EXPECT_EQ(view.position, 1u);
+  EXPECT_FALSE(view.rows[1].is_scene);
+  EXPECT_TRUE(view.rows[2].is_scene);
+}
+
+}  // namespace
+}  // namespace parian

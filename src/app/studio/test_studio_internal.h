@@ -1,0 +1,55 @@
+// What the editor's tests share.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include "app/studio/studio_files.h"
+#include "app/studio/tools.h"
+
+namespace parian {
+
+inline ProfileMap make_map() {
+  ProfileMap map = make_profile_map(12, 10, 3, 0.5, {0, 1, 2, 3});
+  for (std::size_t k = 0; k < 4; ++k)
+    for (int c = 0; c < 3; ++c)
+      for (std::size_t i = 0; i < map.pixels(); ++i)
+        knot_plane(map, c, static_cast<int>(k))[i] =
+            -1.5f * static_cast<float>(k) - (i % 12 < 6 ? 1.0f : 2.0f);
+  return map;
+}
+
+inline Document make_adjust(double range_scale) {
+  Document layer = make_default_layer("adjust", "range");
+  set(layer, "range_scale", range_scale);
+  return layer;
+}
+
+struct StateFolder {
+  std::string path = (std::filesystem::temp_directory_path() / "parian-studio-test").string();
+  StateFolder() { std::filesystem::remove_all(path); }
+  ~StateFolder() { std::filesystem::remove_all(path); }
+};
+
+// As the window does, until all is done.
+inline void run(Studio& studio) {
+  for (int i = 0; i < 12000; ++i) {
+    update(studio, 0.01 * i + studio.last_change_s);
+    if (is_settled(studio)) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  FAIL() << "the studio does not come to rest";
+}
+
+// Without exact pictures, and small ones.
+inline void make_small(Studio& studio) {
+  studio.still = Still::fine;
+  studio.view_width = 64;
+  studio.view_height = 48;
+}
+
+}  // namespace parian
