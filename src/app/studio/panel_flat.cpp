@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 
 #include "app/studio/pictures.h"
 #include "app/studio/tools.h"
@@ -155,7 +156,8 @@ void draw_flat_options(Ui& ui) {
 
 void draw_flat_view(Ui& ui) {
   Studio& studio = ui.studio;
-  if (studio.snapshot == nullptr) return ImGui::TextDisabled("no map is open");
+  const std::shared_ptr<const EditorSnapshot> snapshot = studio.snapshot;
+  if (snapshot == nullptr) return ImGui::TextDisabled("no map is open");
   draw_flat_options(ui);
   if (studio.flat_picture == nullptr) return;
   if (ui.flat_id != studio.flat_id) {
@@ -163,9 +165,10 @@ void draw_flat_view(Ui& ui) {
                    studio.flat_picture->height, /*smooth=*/false);
     ui.flat_id = studio.flat_id;
   }
-  const bool on_second = studio.flat_shows_second && studio.second != nullptr;
-  const double pitch =
-      on_second ? studio.second->state.pixel_pitch_mm : studio.snapshot->after.pixel_pitch_mm;
+  const std::shared_ptr<const SecondMaterial> second =
+      studio.flat_shows_second ? studio.second : nullptr;
+  const bool on_second = second != nullptr;
+  const double pitch = (second != nullptr ? second->state : snapshot->after).pixel_pitch_mm;
   const ImVec2 room = ImGui::GetContentRegionAvail(), corner = ImGui::GetCursorScreenPos();
   const auto columns = static_cast<float>(ui.flat.width()),
              rows = static_cast<float>(ui.flat.height());

@@ -15,8 +15,7 @@ namespace {
 constexpr const char* tool_help[] = {
     "Turn the object. Middle button: pan. Wheel: zoom. (1)",
     "Drag the lamp around the object; with Ctrl the environment. (2)",
-    "Scribble on what shall change, on the map or the mesh: all that looks like it is selected. "
-    "(3)",
+    "Scribble on what shall change, here or on the mesh: all that looks like it is meant. (3)",
     "Scribble on what shall stay as it is. (4)",
     "Select by brush. (5)",
     "Pick a profile, of this map, of the mesh, or of the second material, and inspect it. (6)",

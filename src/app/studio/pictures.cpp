@@ -58,6 +58,7 @@ struct PictureThread::Impl {
   bool stops = false, works = false;
   std::shared_ptr<const Picture> latest;
   std::optional<std::string> error;
+  std::function<void()> on_ready;
   std::thread thread;
 
   void run();
@@ -119,6 +120,7 @@ void PictureThread::Impl::run() {
       failed = id;
     }
     if (!next) idle.notify_all();
+    if (on_ready) on_ready();
   }
 }
 
@@ -133,6 +135,11 @@ PictureThread::~PictureThread() {
   }
   impl_->wake.notify_all();
   impl_->thread.join();
+}
+
+void PictureThread::set_wake(std::function<void()> wake) {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->on_ready = std::move(wake);
 }
 
 std::uint64_t PictureThread::request(PictureRequest request) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -56,6 +57,8 @@ class PictureThread {
   PictureThread(const PictureThread&) = delete;
   PictureThread& operator=(const PictureThread&) = delete;
 
+  // Called from the thread whenever a picture is there; set before the first request.
+  void set_wake(std::function<void()> wake);
   std::uint64_t request(PictureRequest request);
   std::shared_ptr<const Picture> latest() const;  // null before the first
   bool is_busy() const;

@@ -130,7 +130,7 @@ void draw_panels(Ui& ui) {
 std::string next_screenshot(const std::string& folder) {
   std::error_code ignored;
   for (int i = 1;; ++i) {
-    const std::string path = fmt::format("{}/parian-{:03}.png", folder, i);
+    std::string path = fmt::format("{}/parian-{:03}.png", folder, i);
     if (!std::filesystem::exists(path, ignored)) return path;
   }
 }
@@ -186,6 +186,26 @@ bool run_frame(Ui& ui, double now_s) {
   return done;
 }
 
+// New pictures wake the window for as long as it lives.
+struct WakeWindow {
+  explicit WakeWindow(Studio& woken) : studio(woken) {
+    studio.pictures.set_wake([] { Window::wake(); });
+  }
+  ~WakeWindow() { studio.pictures.set_wake({}); }
+  WakeWindow(const WakeWindow&) = delete;
+  WakeWindow& operator=(const WakeWindow&) = delete;
+  Studio& studio;
+};
+
+// Seconds without input until the next frame; pictures end the wait. While one is drawn the window
+// leaves it the processor.
+double frame_wait(const Studio& studio) {
+  const bool edits = studio.editor != nullptr && (studio.editor->activity().busy ||
+                                                  studio.editor->snapshot() != studio.snapshot);
+  if (edits || studio.is_stale) return 0.002;
+  return is_settled(studio) ? 0.1 : 0.03;
+}
+
 void set_title(Ui& ui) {
   const Studio& studio = ui.studio;
   const std::string name =
@@ -214,12 +234,12 @@ void run_studio(const StudioOptions& options) {
                                                                      : options.state_folder,
                         .data_folder = options.data_folder});
   for (const std::string& file : options.files) open_file(studio, file);
+  const WakeWindow wakes(studio);
   Probe probe{.path = options.probe};
   Ui ui{.studio = studio, .probe = probe, .window = window};
   bool done = false;
   while (!done) {
-    // While something moves as fast as the display, else a few times a second.
-    window.begin_frame(is_settled(studio) ? 0.1 : 0.01);
+    window.begin_frame(frame_wait(studio));
     done = run_frame(ui, now());
     window.draw_frame();
     if (ui.wants_screenshot)

@@ -115,7 +115,7 @@ struct Studio {
   double exposure = 0;
   ViewMode mode = ViewMode::shaded;
   int view_width = 640, view_height = 480;  // of the 3-D view, in pixels
-  double interactive_scale = 0.5;
+  double interactive_scale = 0.45;
   Still still = Still::exact;
 
   // Precomputed transport of the stage, for homogeneous materials (transport_job.h).

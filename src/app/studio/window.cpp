@@ -133,6 +133,10 @@ void Window::begin_frame(double timeout_s) {
   ImGui::NewFrame();
 }
 
+void Window::wake() {
+  glfwPostEmptyEvent();
+}
+
 void Window::draw_frame() {
   ImGui::Render();
   int width = 0, height = 0;

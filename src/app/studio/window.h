@@ -32,6 +32,8 @@ class Window {
 
   // Events, then a new frame of ImGui. Waits up to `timeout_s` where nothing happens.
   void begin_frame(double timeout_s);
+  // Ends a wait of begin_frame. From any thread, while the window lives.
+  static void wake();
   void draw_frame();
   void show_frame();
   // Since the last frame, in order: none is lost, however short.
