@@ -46,8 +46,8 @@ PrecomputeParams make_params() {
   PrecomputeParams params;
   params.samples = 1000;
   params.rays = 4;
-  params.single_params.path_samples = 4;
-  params.single_params.directions = 4;
+  params.single_params.path_samples = 8;
+  params.single_params.directions = 16;
   params.single_params.resolution = 64;
   return params;
 }
