@@ -31,7 +31,7 @@ Case make_case(const std::string& name) {
   std::fprintf(stderr, "simulating %s\n", name.c_str());
   const Sample sample =
       read_sample(load_document(PARIAN_SOURCE_DIR "/data/samples/" + name + ".json"), {});
-  const Run run = run_photons(sample, {.photons = 32768});
+  const Run run = run_photons(sample, {.photons = 8192});
   const auto photons = make_photon_source(*run.simulation);
   Case made{name, read_table(*photons), run.report, {}, {}};
   const auto source = make_slices(made.table);

@@ -80,7 +80,8 @@ Sample make_stone(double g) {
 }
 
 Run run_photons(const Sample& sample, const PhotonParams& params) {
-  Run run{std::make_unique<PhotonSimulation>(sample, params), {}, 0};
+  Run run;
+  run.simulation = std::make_unique<PhotonSimulation>(sample, params);
   const double start = seconds_now();
   while (!run.simulation->is_done()) run.simulation->advance();
   run.seconds = seconds_now() - start;

@@ -22,7 +22,7 @@ namespace parian {
 // `importance`: photons are split on their way out, and those that have gone beyond the table's
 // radius play roulette. `shared`: paths count for all pixels of their block of 8 x 8, each by the
 // probability that it would have had there (photon_trace.h), and roulette beyond the radius; where
-// g differs within a channel, importance instead.
+// g differs within a channel or sigma_t by much (can_share), importance instead.
 enum class PhotonTracking { shared, importance, analogue };
 
 struct PhotonParams {

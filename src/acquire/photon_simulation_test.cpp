@@ -327,6 +327,18 @@ TEST(PhotonVolume, AnisotropyKeepsTheReducedCoefficient) {
     }
 }
 
+TEST(PhotonVolume, PathsAreSharedWhereThatIsWorthIt) {
+  PhotonVolume volume = make_photon_volume(small_sample());
+  EXPECT_TRUE(can_share(volume, 0));
+  volume.g.assign(volume.voxels(), 0.5f);
+  EXPECT_TRUE(can_share(volume, 0));
+  volume.g[3] = 0.4f;
+  EXPECT_FALSE(can_share(volume, 0));
+  volume.g.clear();
+  volume.sigma_a[3] = 20;  // a wall
+  EXPECT_FALSE(can_share(volume, 0));
+}
+
 TEST(PhotonVolume, SolidStonesAreBoundedBelow) {
   Document document = small_description();
   set(document, "layout", object({{"kind", "stones"}, {"size_mm", 1.5}, {"gap_mm", 0}}));

@@ -205,12 +205,20 @@ PhotonChannel make_photon_channel(const PhotonVolume& volume, int channel, int c
 }
 
 bool can_share(const PhotonVolume& volume, int channel) {
-  if (volume.g.empty()) return true;
-  const auto begin = volume.g.begin() + static_cast<std::ptrdiff_t>(channel) *
-                                            static_cast<std::ptrdiff_t>(volume.voxels());
-  const auto [low, high] =
-      std::minmax_element(begin, begin + static_cast<std::ptrdiff_t>(volume.voxels()));
-  return *high - *low < 1e-5f;
+  const std::size_t first = static_cast<std::size_t>(channel) * volume.voxels();
+  float low_g = 1, high_g = -1, largest = 0;
+  double sum = 0;
+  for (std::size_t i = first; i < first + volume.voxels(); ++i) {
+    const float sigma_t = volume.sigma_a[i] + volume.sigma_s[i];
+    const float g = volume.g.empty() ? 0 : volume.g[i];
+    largest = std::max(largest, sigma_t);
+    sum += static_cast<double>(sigma_t);
+    low_g = std::min(low_g, g);
+    high_g = std::max(high_g, g);
+  }
+  constexpr double most_contrast = 4;
+  const double mean = sum / static_cast<double>(volume.voxels());
+  return high_g - low_g < 1e-5f && static_cast<double>(largest) <= most_contrast * mean;
 }
 
 PhotonChannel make_shared_channel(const PhotonVolume& volume, int channel) {

@@ -58,7 +58,8 @@ struct PhotonChannel {
 PhotonChannel make_photon_channel(const PhotonVolume& volume, int channel, int cell_voxels = 0);
 
 // For paths that are shifted by whole pixels (photon_trace.h): one bound for all, so that a flight
-// has the same distribution everywhere. Needs the same g everywhere.
+// has the same distribution everywhere. Needs the same g everywhere, and is worth it where the
+// bound is not far above the mean.
 PhotonChannel make_shared_channel(const PhotonVolume& volume, int channel);
 bool can_share(const PhotonVolume& volume, int channel);
 

@@ -58,6 +58,7 @@ ParamList describe(SplatParams& params) {
 SplatParams make_interactive_params() {
   SplatParams params;
   params.samples = 4000;
+  params.texel = 0.75;
   params.rays = 32;
   params.antialias = 1;
   params.lights = LightMode::mapped;

@@ -34,7 +34,7 @@ struct SplatParams {
   int antialias = 2;         // n x n pixels drawn per pixel
   double octave = 3;         // radius of the first level in spacings of the samples
   double overlap = 0.5;      // octaves within which a level gives way to the next
-  double texel = 0.75;       // of the first level in spacings of the samples
+  double texel = 0.5;        // of the first level in spacings of the samples
   double group_texel = 0.3;  // of the others in spacings of their groups of samples
   LightMode lights = LightMode::traced;
   int shadow_size = 2048;    // texels of a shadow map's side
@@ -42,8 +42,8 @@ struct SplatParams {
   std::uint64_t seed = 1;
 };
 ParamList describe(SplatParams& params);
-// For an editor while something moves: few samples, shadow maps, one ray a pixel. Errors are about
-// four times those of the defaults; without a graphics device a view of 640 x 480 suits.
+// For an editor while something moves: few samples, shadow maps, one ray a pixel. Errors are two
+// to four times those of the defaults; without a graphics device a view of 640 x 480 suits.
 SplatParams make_interactive_params();
 
 struct SplatReport {

@@ -56,10 +56,6 @@ class Usage(program.ProgramTest):
         self.fail_with(2, "--lambda: expected a value in [0, 1000000], found -1",
                        "fit", "t.h5", "-o", "m.h5", "--lambda", "-1")
 
-    def test_photons_come_later(self):
-        self.fail_with(2, "--engine: expected analytic (photon simulation comes later), found photon",
-                       "simulate", "sample.json", "-o", "t.h5", "--engine", "photon")
-
     def test_output_must_not_be_the_input(self):
         self.succeed("simulate", "sample.json", "-o", "table.h5")
         before = self.read_bytes("table.h5")

@@ -95,9 +95,10 @@ vec3 log_ratio_at(Corners corners, vec3 support, float r) {
   int k = r < node_r5[1] ? 0 : r < node_r5[2] ? 1 : r < node_r5[3] ? 2 : 3;
   ivec2 nodes = ivec2(level_nodes[k], level_nodes[k + 1]);
   float t = clamp((r - node_r5[k]) / (node_r5[k + 1] - node_r5[k]), 0.0, 1.0);
-  return half_log_at(corners, nodes, t) +
-         mix(cut_log(support, nodes.x) - reference_nodes[k],
-             cut_log(support, nodes.y) - reference_nodes[k + 1], t);
+  vec3 ratio = half_log_at(corners, nodes, t) +
+               mix(cut_log(support, nodes.x) - reference_nodes[k],
+                   cut_log(support, nodes.y) - reference_nodes[k + 1], t);
+  return clamp(ratio, -40.0, 40.0);  // what lies beyond is nothing, and must not become 0 / 0
 }
 
 void main() {
@@ -125,7 +126,8 @@ void main() {
   vec3 u = clamp((n - 2.0) / 6.0, 0.0, 1.0);
   vec3 trust = sums.mean.a > 0.0 ? u * u * (3.0 - 2.0 * u) : vec3(1.0);
   vec3 integral = mix_corners(corners, near_integral);
-  close = trust * close + (1.0 - trust) * integral * sums.mean.rgb / max(sums.mean.a, 1e-30);
+  close = mix(vec3(0.0), trust * close, greaterThan(trust, vec3(0.0))) +
+          (1.0 - trust) * integral * sums.mean.rgb / max(sums.mean.a, 1e-30);
 #endif
   result += close;
 #endif
