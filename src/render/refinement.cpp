@@ -16,8 +16,6 @@
 namespace parian {
 namespace {
 
-constexpr float nothing_yet = -2, no_bracket = -1;
-
 // How a pass gathers. tolerance 0: by quality, and by every sample where that is 0, too.
 struct Pass {
   double quality = 0;

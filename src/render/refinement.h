@@ -60,10 +60,11 @@ class Refinement {
   // threads.
   void advance(const Progress& progress = {});
 
-  // As RenderResult::image, of the camera's size; black where half_width is -2.
+  // As RenderResult::image, of the camera's size; black where half_width is nothing_yet.
   const Image& image() const;
-  // [y][x], the largest of the pixel's surfaces: certified; -1 where there is a value without a
-  // bracket, -2 where there is none yet, 0 where the mesh is not seen.
+  // [y][x], the largest of the pixel's surfaces: certified; no_bracket where there is a value
+  // without one, nothing_yet where there is no value, 0 where the mesh is not seen.
+  static constexpr float no_bracket = -1, nothing_yet = -2;
   const std::vector<float>& half_width() const;
   const RefinementReport& report() const;
 

@@ -85,8 +85,11 @@ void draw_statistics(Ui& ui) {
     row("picture", fmt::format("{} × {}", studio.picture->width, studio.picture->height));
     row_ms("its time", studio.picture->seconds);
   }
-  if (studio.refined != nullptr)
+  if (studio.refined != nullptr) {
     row("refined picture", fmt::format("{:.1f} s", studio.refined->seconds));
+    if (studio.refined->half_width >= 0)
+      row("certified to", fmt::format("± {:.0f} %", 100 * studio.refined->half_width));
+  }
   draw_material_figures(ui);
   if (studio.picture == nullptr) return;
   ImGui::Separator();

@@ -20,11 +20,10 @@ void upload_view(Ui& ui) {
   Studio& studio = ui.studio;
   const bool has_refined =
       studio.refined != nullptr && studio.refined->id == studio.request_id && !studio.is_stale;
-  const Picture* shown = has_refined ? studio.refined.get() : studio.picture.get();
-  if (shown == nullptr || (shown->id == ui.view_id && has_refined == ui.view_is_refined)) return;
+  const std::shared_ptr<const Picture>& shown = has_refined ? studio.refined : studio.picture;
+  if (shown == nullptr || shown == ui.view_picture) return;
   ui.view.upload(shown->rgba, shown->width, shown->height, /*smooth=*/true);
-  ui.view_id = shown->id;
-  ui.view_is_refined = has_refined;
+  ui.view_picture = shown;
 }
 
 bool is_drawing_tool(Tool tool) {

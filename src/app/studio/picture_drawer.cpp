@@ -32,25 +32,9 @@ struct Live {
   std::unique_ptr<LiveRenderer> renderer;
 };
 
-Scene make_scene(const PictureRequest& request, const Material& material,
-                 const Lighting& lighting) {
-  Scene scene = request.stage->scene;
-  scene.material = material;
-  scene.layers.clear();
-  scene.lights = make_lights(lighting);
-  scene.camera = request.camera;
-  scene.exposure = 0;
-  return scene;
-}
-
 SplatParams splat_params(bool fine) {
   SplatParams params = make_interactive_params();
-  if (fine) {
-    params.samples = fine_samples;
-  } else {  // less than half of the splats' area
-    params.octave = 3.5;
-    params.texel = 1;
-  }
+  if (fine) params.samples = fine_samples;
   return params;
 }
 
@@ -68,9 +52,9 @@ Image splat(Splatter& splatter, const GlLimits& limits, const PictureRequest& re
             const std::shared_ptr<const Material>& material, const Progress& progress) {
   if (splatter.renderer == nullptr || splatter.stage != request.stage) {
     splatter.renderer.reset();
-    splatter.renderer =
-        std::make_unique<SplatRenderer>(limits, make_scene(request, *material, request.lighting),
-                                        splat_params(request.fine), progress);
+    splatter.renderer = std::make_unique<SplatRenderer>(
+        limits, make_scene(*request.stage, *material, request.lighting, request.camera),
+        splat_params(request.fine), progress);
     splatter.stage = request.stage;
   } else {
     if (splatter.material != material) splatter.renderer->set_material(*material);
@@ -104,8 +88,8 @@ Image draw_live(Live& live, const GlLimits& limits, const PictureRequest& reques
     LiveParams params;
     if (!request.fine) params = {.antialias = 1, .shadow_size = 1024, .reflection_rays = 4};
     live.renderer = std::make_unique<LiveRenderer>(
-        limits, make_scene(request, *request.material, live.lighting), *live.ready->transport,
-        params);
+        limits, make_scene(*request.stage, *request.material, live.lighting, request.camera),
+        *live.ready->transport, params);
   }
   if (live.material != request.material) {
     live.renderer->set_material(std::get<Dipole>(*request.material));
@@ -177,7 +161,8 @@ Image PictureDrawer::Impl::shade(const PictureRequest& request,
     }
   }
   const RenderResult result =
-      render(make_scene(request, *material, request.lighting), cpu_params(request.fine), progress);
+      render(make_scene(*request.stage, *material, request.lighting, request.camera),
+             cpu_params(request.fine), progress);
   picture.report = {};
   picture.report.samples = result.report.samples;
   picture.report.shade_s = result.report.total_s;

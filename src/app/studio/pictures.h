@@ -45,6 +45,8 @@ struct Picture {
   SplatReport report;    // of a splatted picture
   bool is_live = false;  // from precomputed transport
   LiveReport live;
+  int passes_done = 0;     // of a refined picture (refiner.h)
+  double half_width = -1;  // its largest certified one; -1: none yet
 };
 
 // Linear radiance times 2^exposure, encoded for the screen.

@@ -245,7 +245,7 @@ void run_studio(const StudioOptions& options) {
     if (ui.wants_screenshot)
       save_screenshot(ui, options.screenshots.empty() ? "." : options.screenshots);
     window.show_frame();
-    if (probe.first_picture_s < 0 && ui.view_id > 0) probe.first_picture_s = now();
+    if (probe.first_picture_s < 0 && ui.view_picture != nullptr) probe.first_picture_s = now();
     set_title(ui);
     write_probe(probe, studio);
     if (options.is_cancelled && options.is_cancelled()) throw make_cancelled_error();

@@ -25,6 +25,17 @@ std::shared_ptr<const Stage> make_stage(Scene scene) {
   return std::make_shared<const Stage>(Stage{std::move(scene), std::move(tracer), box});
 }
 
+Scene make_scene(const Stage& stage, const Material& material, const Lighting& lighting,
+                 const Camera& camera) {
+  Scene scene = stage.scene;
+  scene.material = material;
+  scene.layers.clear();
+  scene.lights = make_lights(lighting);
+  scene.camera = camera;
+  scene.exposure = 0;
+  return scene;
+}
+
 Orbit make_orbit(const Camera& camera) {
   const Vec3 from = camera.position - camera.target;
   const double r = std::max(1e-6, static_cast<double>(length(from)));

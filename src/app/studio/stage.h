@@ -46,6 +46,10 @@ struct Lighting {
 };
 std::vector<Light> make_lights(const Lighting& lighting);
 
+// The stage's mesh made of a material, under these lights.
+Scene make_scene(const Stage& stage, const Material& material, const Lighting& lighting,
+                 const Camera& camera);
+
 // The place in the map under a pixel of the picture.
 struct MapPlace {
   double x = 0, y = 0;  // pixels, centres at integers

@@ -6,14 +6,8 @@
 #include "app/studio/studio_files.h"
 #include "app/studio/tools.h"
 #include "base/error.h"
-#include "render/render.h"
 
 namespace parian {
-namespace {
-
-constexpr double rest_s = 0.25;          // without changes, until the picture gets all its pixels
-constexpr double refine_rest_s = 1.0;    // until the CPU renderer starts
-constexpr double autosave_rest_s = 0.5;  // between a change and its autosave
 
 Camera make_view_camera(const Studio& studio, double scale) {
   const auto size = [&](int pixels) {
@@ -28,6 +22,11 @@ std::shared_ptr<const Mask> shown_mask(const Studio& studio) {
     return nullptr;
   return studio.snapshot->layers[*studio.selected_layer].mask;
 }
+
+namespace {
+
+constexpr double rest_s = 0.25;          // without changes, until the picture gets all its pixels
+constexpr double autosave_rest_s = 0.5;  // between a change and its autosave
 
 void request_picture(Studio& studio, bool fine) {
   std::shared_ptr<const ReadyTransport> transport;
@@ -56,40 +55,9 @@ void request_picture(Studio& studio, bool fine) {
   studio.is_stale = false;
 }
 
-// The exact picture, once nothing moves.
-void start_refining(Studio& studio) {
-  Scene scene = studio.stage->scene;
-  scene.material = *studio.material;
-  scene.layers.clear();
-  scene.lights = make_lights(studio.lighting);
-  scene.camera = make_view_camera(studio, 1);
-  scene.exposure = 0;
-  const std::uint64_t id = studio.request_id;
-  const double exposure = studio.exposure;
-  studio.jobs.start(
-      "refine",
-      [&studio, id, exposure, scene = std::move(scene)](const Progress& progress) -> Jobs::Finish {
-        RenderParams params;
-        params.antialias = 2;
-        const RenderResult result = render(scene, params, progress);
-        auto picture = std::make_shared<Picture>();
-        picture->id = id;
-        picture->width = result.image.width;
-        picture->height = result.image.height;
-        picture->rgba = encode_picture(result.image, exposure);
-        picture->seconds = result.report.total_s;
-        return [&studio, picture] { studio.refined = picture; };
-      });
-}
-
 // Changes of the light and of a homogeneous material, once they rest.
 void update_scene_history(Studio& studio) {
   if (!studio.is_held && studio.now_s - studio.last_change_s >= rest_s) note_scene_now(studio);
-}
-
-bool may_refine(const Studio& studio) {
-  return studio.still == Still::exact && studio.mode == ViewMode::shaded &&
-         shown_mask(studio) == nullptr;
 }
 
 void update_map(Studio& studio) {
@@ -134,12 +102,7 @@ void update_view(Studio& studio) {
   const bool has_ended = shows_newest || studio.pictures.last_failed() == studio.request_id;
   if (!studio.request_is_fine && has_ended && rested > rest_s && studio.still != Still::draft)
     request_picture(studio, true);
-  const bool wants_refined =
-      may_refine(studio) && studio.request_is_fine && shows_newest && rested > refine_rest_s;
-  const bool has_refined = studio.refined != nullptr && studio.refined->id == studio.request_id;
-  if (wants_refined && !has_refined && !studio.jobs.is_running("refine") &&
-      !studio.jobs.is_running("transport"))
-    start_refining(studio);
+  update_refiner(studio);
 }
 
 FlatRequest make_flat_request(const Studio& studio) {
@@ -243,7 +206,10 @@ void update(Studio& studio, double now_s) {
 }
 
 bool is_settled(const Studio& studio) {
-  if (!studio.jobs.views().empty() || studio.is_stale) return false;
+  // The refinement goes on for long: its first pass counts.
+  for (const JobView& job : studio.jobs.views())
+    if (job.name != "refine") return false;
+  if (studio.is_stale) return false;
   if (studio.snapshot != nullptr && studio.flat_is_stale) return false;
   if (studio.editor != nullptr &&
       (studio.editor->activity().busy || studio.editor->snapshot() != studio.snapshot))
@@ -253,20 +219,19 @@ bool is_settled(const Studio& studio) {
   if (!studio.request_is_fine && studio.still != Still::draft) return false;
   if (studio.pictures.last_failed() == studio.request_id) return true;
   if (studio.picture == nullptr || studio.picture->id != studio.request_id) return false;
-  return !may_refine(studio) ||
-         (studio.refined != nullptr && studio.refined->id == studio.request_id);
+  return is_refined(studio);
 }
 
 void touch_view(Studio& studio) {
   studio.is_stale = true;
   studio.last_change_s = studio.now_s;
-  studio.jobs.cancel("refine");
+  stop_refining(studio);
 }
 
 void touch_map(Studio& studio) {
   studio.last_change_s = studio.now_s;
   if (studio.edit_started_s < 0) studio.edit_started_s = studio.now_s;
-  studio.jobs.cancel("refine");
+  stop_refining(studio);
 }
 
 }  // namespace parian

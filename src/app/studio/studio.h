@@ -15,6 +15,7 @@
 #include "app/studio/jobs.h"
 #include "app/studio/layout.h"
 #include "app/studio/pictures.h"
+#include "app/studio/refiner.h"
 #include "app/studio/scene_history.h"
 #include "app/studio/stage.h"
 #include "compress/compress_params.h"
@@ -128,7 +129,9 @@ struct Studio {
   std::uint64_t request_id = 0;
   double last_change_s = 0;  // when something was changed last
   std::shared_ptr<const Picture> picture;
-  std::shared_ptr<const Picture> refined;         // by the CPU renderer, of the same request
+  Refiner refiner;
+  std::shared_ptr<const Picture> refined;         // its, of the same request
+  std::uint64_t refining_id = 0;                  // of the request that it was started for
   double edit_started_s = -1, edit_shown_ms = 0;  // from an edit to its picture
 
   // Flat view.
@@ -189,6 +192,11 @@ HistoryView view_history(const Studio& studio);
 void jump_to(Studio& studio, std::size_t position);
 // Makes an entry at once of what was changed beside the recipe.
 void note_scene_now(Studio& studio);
+
+// Of the 3-D view, whose size is scaled.
+Camera make_view_camera(const Studio& studio, double scale);
+// The selection that the view shows; null: none.
+std::shared_ptr<const Mask> shown_mask(const Studio& studio);
 
 // Marks the 3-D view, or all pictures of the map, as old.
 void touch_view(Studio& studio);

@@ -35,8 +35,8 @@ struct Ui {
   Probe& probe;
   Window& window;
   ScreenTexture view, flat;
-  std::uint64_t view_id = 0, flat_id = 0;  // of what the textures show
-  bool view_is_refined = false;
+  std::shared_ptr<const Picture> view_picture;  // what the texture shows
+  std::uint64_t flat_id = 0;
   FileDialog dialog;
   bool shows_help = false;
   bool wants_quit = false;

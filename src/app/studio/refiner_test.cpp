@@ -1,0 +1,118 @@
+#include "app/studio/refiner.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "mesh/shapes.h"
+#include "render/render.h"
+
+namespace parian {
+namespace {
+
+RefinementParams make_params() {
+  RefinementParams params;
+  params.render.samples = 2000;
+  params.render.rays = 8;
+  params.render.antialias = 1;
+  params.tile = 8;
+  return params;
+}
+
+RefineRequest make_request() {
+  Scene scene;
+  scene.mesh = make_sphere(3);
+  fit_to_size(scene.mesh, 10);
+  RefineRequest request{.under = nullptr,
+                        .stage = make_stage(std::move(scene)),
+                        .material = std::make_shared<const Material>(Dipole{
+                            .channels = {DipoleCoefficients{.sigma_a = 0.01, .sigma_s_prime = 2}}}),
+                        .lighting = {},
+                        .camera = {},
+                        .exposure = 0};
+  request.camera = make_camera(frame_stage(*request.stage, 32, 24), 32, 24);
+  const std::vector<std::uint8_t> grey(std::size_t{4} * 32 * 24, 77);
+  request.under =
+      std::make_shared<const Picture>(Picture{.id = 5, .width = 32, .height = 24, .rgba = grey});
+  return request;
+}
+
+std::vector<std::uint8_t> draw_brute(const RefineRequest& request) {
+  RenderParams params = make_params().render;
+  params.method = GatherMethod::brute;
+  params.shading = Shading::pixel;
+  return encode_picture(
+      render(make_scene(*request.stage, *request.material, request.lighting, request.camera),
+             params)
+          .image,
+      request.exposure);
+}
+
+TEST(Refiner, EndsWithEverySampleSummed) {
+  const RefineRequest request = make_request();
+  Refiner refiner(make_params());
+  EXPECT_EQ(refiner.latest(), nullptr);
+  refiner.run(request, {});
+  ASSERT_NE(refiner.latest(), nullptr);
+  EXPECT_EQ(refiner.latest()->id, 5u);
+  EXPECT_GT(refiner.latest()->passes_done, 1);
+  EXPECT_EQ(refiner.latest()->half_width, 0);
+  EXPECT_EQ(refiner.latest()->rgba, draw_brute(request));
+}
+
+TEST(Refiner, StopsAndGoesOn) {
+  const RefineRequest request = make_request();
+  Refiner refiner(make_params());
+  bool in_passes = false;
+  const Progress stopping{
+      [&](std::string_view, double done) { in_passes = in_passes || done > 0.1; },
+      [&] { return in_passes; }};
+  EXPECT_THROW(refiner.run(request, stopping), Error);
+  refiner.run(request, {});
+  EXPECT_EQ(refiner.latest()->rgba, draw_brute(request));
+}
+
+TEST(Refiner, ChangesLeaveNothingBehind) {
+  RefineRequest request = make_request();
+  Refiner refiner(make_params());
+  refiner.run(request, {});
+  const auto check = [&](auto change) {
+    change(request);
+    Picture under = *request.under;
+    ++under.id;
+    request.under = std::make_shared<const Picture>(under);
+    refiner.run(request, {});
+    EXPECT_EQ(refiner.latest()->id, under.id);
+    EXPECT_EQ(refiner.latest()->rgba, draw_brute(request));
+  };
+  check([](RefineRequest& r) { r.exposure = 1; });
+  check([](RefineRequest& r) { r.lighting.azimuth_deg = -60; });
+  check([](RefineRequest& r) { r.camera.position = r.camera.position * 1.5f; });
+  check([](RefineRequest& r) {
+    Dipole darker = std::get<Dipole>(*r.material);
+    darker.channels[0].sigma_a = 1;
+    r.material = std::make_shared<const Material>(darker);
+  });
+  check([](RefineRequest& r) { r.stage = make_request().stage; });
+}
+
+// What is not refined yet is what was there.
+TEST(Refiner, ShowsWhatIsUnderIt) {
+  RefineRequest request = make_request();
+  RefinementParams params = make_params();
+  params.tile = 16;
+  Refiner refiner(params);
+  bool had_tile = false;
+  const Progress stopping{[&](std::string_view, double done) { had_tile = done > 0; },
+                          [&] { return had_tile; }};
+  EXPECT_THROW(refiner.run(request, stopping), Error);
+  // Taken up again it shows the tile that is there at once, and is stopped.
+  EXPECT_THROW(refiner.run(request, {{}, [] { return true; }}), Error);
+  ASSERT_NE(refiner.latest(), nullptr);
+  EXPECT_EQ(refiner.latest()->passes_done, 0);
+  const std::vector<std::uint8_t>& rgba = refiner.latest()->rgba;
+  EXPECT_EQ(rgba[0], 77);
+  EXPECT_NE(rgba, request.under->rgba);
+}
+
+}  // namespace
+}  // namespace parian
