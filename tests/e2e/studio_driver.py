@@ -134,6 +134,18 @@ class Studio:
         if held:
             self.xdotool("keyup", held)
 
+    def click_to_end(self, widget):
+        """A click that ends the program, which may answer nothing after it; its exit status."""
+        self.move(*self.place(widget))
+        self.press()
+        self.xdotool("mouseup", 1)
+        return self.process.wait(timeout=TIMEOUT)
+
+    def key_to_end(self, name):
+        """The same for a key."""
+        self.xdotool("key", name)
+        return self.process.wait(timeout=TIMEOUT)
+
     def drag(self, widget, points, button=1, held=None, steps=4):
         places = [self.place(widget, *point) for point in points]
         self.move(*places[0])

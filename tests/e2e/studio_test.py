@@ -398,8 +398,7 @@ def second_session(program, display, folder):
         studio.click("quit/no")
         studio.settle()
         studio.key("ctrl+q")
-        studio.click("quit/yes")
-        assert studio.process.wait(timeout=TIMEOUT) == 0
+        assert studio.click_to_end("quit/yes") == 0
         assert not list((folder / "state").glob("autosave-*.json"))
     finally:
         studio.stop()
@@ -413,8 +412,7 @@ def third_session(program, display, folder):
         state = studio.message("pictures come from the processor")
         assert any("broken.ply" in m for m in state["messages"]), state["messages"]
         assert not state["recoverable"]
-        studio.key("ctrl+q")
-        assert studio.process.wait(timeout=TIMEOUT) == 0
+        assert studio.key_to_end("ctrl+q") == 0
     finally:
         studio.stop()
 

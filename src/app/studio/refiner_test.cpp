@@ -110,7 +110,7 @@ TEST(Refiner, ShowsWhatIsUnderIt) {
   ASSERT_NE(refiner.latest(), nullptr);
   EXPECT_EQ(refiner.latest()->passes_done, 0);
   const std::vector<std::uint8_t>& rgba = refiner.latest()->rgba;
-  EXPECT_EQ(rgba[0], 77);
+  EXPECT_EQ(rgba[rgba.size() - 4], 77);
   EXPECT_NE(rgba, request.under->rgba);
 }
 

@@ -225,6 +225,9 @@ void finish_studio(Studio& studio) {
   std::error_code ignored;
   const std::string path = autosave_path(studio.paths);
   if (!path.empty()) std::filesystem::remove(path, ignored);
+  // What was recovered has been saved or given up; what was not decided on waits.
+  if (!path.empty() && !studio.recoverable)
+    std::filesystem::remove(aside_path(studio.paths), ignored);
   Document layout{Document::Object{}};
   set(layout, "map", static_cast<double>(studio.shares.map));
   set(layout, "side", static_cast<double>(studio.shares.side));
