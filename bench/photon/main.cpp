@@ -21,12 +21,13 @@ constexpr NamedStudy studies[] = {{"speed", study_speed},
                                   {"dipole", study_dipole},
                                   {"pictures", study_pictures},
                                   {"limits", study_limits},
-                                  {"thickness", study_thickness}};
+                                  {"thickness", study_thickness},
+                                  {"curvature", study_curvature}};
 
 int show_usage() {
   std::fputs(
       "usage: bench_photon [all|speed|totals|time|similarity|importance|dipole|pictures|limits|\n"
-      "                     thickness] [-o FOLDER] [--docs DOCS]\n"
+      "                     thickness|curvature] [-o FOLDER] [--docs DOCS]\n"
       "\n"
       "The photon engine: Markdown tables to the standard output and to FOLDER/*.md, pictures to\n"
       "FOLDER (default: out/bench/photon). --docs docs brings docs/acquisition.md, docs/limits.md\n"

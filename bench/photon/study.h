@@ -50,5 +50,6 @@ void study_dipole(Study& study);
 void study_pictures(Study& study);
 void study_limits(Study& study);
 void study_thickness(Study& study);
+void study_curvature(Study& study);
 
 }  // namespace parian::photon
