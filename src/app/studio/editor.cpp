@@ -8,6 +8,7 @@
 #include <mutex>
 #include <thread>
 #include <utility>
+#include <variant>
 
 #include "base/error.h"
 #include "io/json/json.h"
@@ -46,7 +47,8 @@ std::shared_ptr<EditorSnapshot> make_snapshot(const EditSession& session, const 
     }
     snapshot->layers.push_back(std::move(view));
   }
-  snapshot->map = std::make_shared<const ProfileMap>(make_profile_map(state));
+  snapshot->material = std::make_shared<const Material>(make_profile_map(state));
+  snapshot->map = {snapshot->material, &std::get<ProfileMap>(*snapshot->material)};
   return snapshot;
 }
 
