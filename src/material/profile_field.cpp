@@ -21,7 +21,7 @@ struct Rows {
 
 // ln P without the cut at the support, so that it is linear over the tail as well.
 void fill_row(const Profile& profile, const std::vector<float>& knots, float* half_log) {
-  const auto& [own, value, support] = profile;
+  const std::vector<double>&own = profile.knots_mm, &value = profile.log_value;
   std::size_t k = 0;
   const auto fill = [&](std::size_t i, double slope, double end) {
     for (; k < knots.size() && static_cast<double>(knots[k]) < end; ++k)

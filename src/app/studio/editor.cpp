@@ -230,13 +230,13 @@ void Editor::wait() {
   impl_->idle.wait(lock, [this] { return !impl_->works && impl_->queue.empty(); });
 }
 
-Editor::Change set_layer(std::size_t index, Document layer) {
+Editor::Change set_layer(std::size_t index, const Document& layer) {
   return [index, layer = with_places(layer)](EditSession& session) {
     return with_layer(session, index, layer);
   };
 }
 
-Editor::Change insert_layer(std::size_t index, Document layer) {
+Editor::Change insert_layer(std::size_t index, const Document& layer) {
   return [index, layer = with_places(layer)](EditSession& session) {
     return with_new_layer(session, index, layer);
   };

@@ -71,8 +71,8 @@ class Editor {
 };
 
 // Changes.
-Editor::Change set_layer(std::size_t index, Document layer);
-Editor::Change insert_layer(std::size_t index, Document layer);
+Editor::Change set_layer(std::size_t index, const Document& layer);
+Editor::Change insert_layer(std::size_t index, const Document& layer);
 Editor::Change remove_layer(std::size_t index);
 Editor::Change move_layer(std::size_t from, std::size_t to);
 Editor::Change set_whole_recipe(Document recipe);
