@@ -84,6 +84,7 @@ void study_live(const Page& page, const GlLimits& limits) {
     const HomogeneousTransport transport = precompute_transport(scene, coarse_transport());
     LiveParams params;
     params.antialias = 1;
+    params.update = LiveUpdate::device;
     LiveRenderer renderer(limits, scene, transport, params);
     renderer.draw(true);
     const double edit = seconds_of([&] {

@@ -1,5 +1,8 @@
 #include "gl/live_renderer.h"
 
+#include <memory>
+#include <string>
+
 #include "base/check.h"
 #include "base/stopwatch.h"
 #include "gl/shading.h"
@@ -23,8 +26,29 @@ ParamList describe(LiveParams& params) {
            .help = "per pixel drawn and environment light",
            .target = &params.reflection_rays,
            .min = 1,
-           .max = 1024}};
+           .max = 1024},
+          {.name = "live-update",
+           .help = "where transport is summed: automatic is the CPU for software devices",
+           .target = make_choice(params.update, {"automatic", "device", "cpu"})}};
 }
+
+namespace {
+
+bool updates_on_cpu(LiveUpdate update, const std::string& renderer) {
+  if (update != LiveUpdate::automatic) return update == LiveUpdate::cpu;
+  const auto is_called = [&](const char* name) { return renderer.find(name) != std::string::npos; };
+  return is_called("llvmpipe") || is_called("softpipe") || is_called("swrast");
+}
+
+// What updates on the CPU need.
+struct CpuTransport {
+  HomogeneousTransport transport;
+  std::vector<Vec3> positions, normals;
+  TransportView view;
+  std::vector<Rgb> radiance;
+};
+
+}  // namespace
 
 struct LiveRenderer::Impl {
   Scene scene;  // its lights, exposure, background and specular
@@ -39,6 +63,7 @@ struct LiveRenderer::Impl {
   ShadingPrograms shading_programs;
   TransportTextures transport;
   TransportPrograms transport_programs;
+  std::unique_ptr<CpuTransport> cpu;  // null: the device sums
   LightObjects lights;
   SplatCamera camera;
   PictureTargets targets;
@@ -51,10 +76,21 @@ struct LiveRenderer::Impl {
   void make_lights() {
     lights = make_light_objects(scene.lights, scene, mesh, params.shadow_size, false);
   }
+  void update_vertices();
   void draw_view();
   void draw_exitance();
   std::vector<float> coverage;
 };
+
+void LiveRenderer::Impl::update_vertices() {
+  if (cpu == nullptr) {
+    eval_transport(transport, transport_programs, coefficients, light_scale, camera.frame.position,
+                   eta);
+    return;
+  }
+  eval_transport(cpu->transport, coefficients, light_scale, cpu->view, cpu->radiance);
+  put_radiance(transport, cpu->radiance);
+}
 
 void LiveRenderer::Impl::draw_view() {
   const int width = camera.frame.width, height = camera.frame.height;
@@ -94,9 +130,15 @@ LiveRenderer::LiveRenderer(const GlLimits& limits, const Scene& scene,
   impl.mesh = make_mesh_buffers(scene.mesh);
   impl.geometry_program = make_geometry_program();
   impl.shading_programs = make_shading_programs();
-  impl.transport =
-      make_transport_textures(scene.mesh.positions, scene.mesh.normals, transport,
-                              limits.float_blend ? TexelFormat::rgba32f : TexelFormat::rgba16f);
+  const TexelFormat sums = limits.float_blend ? TexelFormat::rgba32f : TexelFormat::rgba16f;
+  if (updates_on_cpu(params.update, limits.renderer)) {
+    impl.cpu = std::make_unique<CpuTransport>(
+        CpuTransport{transport, scene.mesh.positions, scene.mesh.normals, {}, {}});
+    impl.transport = make_radiance_textures(transport.places, sums);
+  } else {
+    impl.transport =
+        make_transport_textures(scene.mesh.positions, scene.mesh.normals, transport, sums);
+  }
   impl.transport_programs = make_transport_programs(impl.transport);
   for (const LightTransport& light : transport.lights)
     impl.has_single = impl.has_single || light.single.functions > 0;
@@ -143,7 +185,10 @@ void LiveRenderer::set_light(std::size_t index, const Light& light,
   PARIAN_CHECK(index < impl.scene.lights.size());
   impl.scene.lights[index] = light;
   impl.make_lights();
-  update_light(impl.transport, index, transport);
+  if (impl.cpu != nullptr)
+    impl.cpu->transport.lights[index] = transport;
+  else
+    update_light(impl.transport, index, transport);
   impl.vertices_are_old = true;
 }
 
@@ -151,6 +196,10 @@ void LiveRenderer::set_camera(const Camera& camera) {
   Impl& impl = *impl_;
   impl.camera = make_splat_camera(camera, impl.params.antialias, impl.mesh.box);
   impl.view_is_old = true;
+  if (impl.cpu != nullptr && (impl.has_single || impl.cpu->view.value.empty()))
+    impl.cpu->view =
+        make_transport_view(impl.cpu->positions, impl.cpu->normals, impl.camera.frame.position,
+                            impl.eta, /*has_fresnel=*/false);
   impl.vertices_are_old = impl.vertices_are_old || impl.has_single;
 }
 
@@ -162,9 +211,7 @@ void LiveRenderer::draw(bool timed) {
     if (timed) finish_gl();
     return watch.lap();
   };
-  if (impl.vertices_are_old)
-    eval_transport(impl.transport, impl.transport_programs, impl.coefficients, impl.light_scale,
-                   impl.camera.frame.position, impl.eta);
+  if (impl.vertices_are_old) impl.update_vertices();
   impl.report.update_s = lap();
   if (impl.view_is_old) impl.draw_view();
   if (impl.view_is_old || impl.vertices_are_old) impl.draw_exitance();

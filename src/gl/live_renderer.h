@@ -1,6 +1,6 @@
-// Homogeneous materials edited live on the graphics device (Xu et al. 2007, section 6.2): one pass
-// over the vertices per edit, from transport that was computed before; the mesh is then drawn with
-// it. The pictures are those of render/transport_renderer.h.
+// Homogeneous materials edited live with the graphics device (Xu et al. 2007, section 6.2): one
+// pass over the vertices per edit, from transport that was computed before; the mesh is then drawn
+// with it. The pictures are those of render/transport_renderer.h.
 #pragma once
 
 #include <memory>
@@ -14,10 +14,14 @@
 
 namespace parian {
 
+// Where an update sums transport: on the device, or, faster than a software rasteriser, on the CPU.
+enum class LiveUpdate { automatic, device, cpu };
+
 struct LiveParams {
   int antialias = 2;         // n x n pixels drawn per pixel
   int shadow_size = 2048;    // texels of a shadow map's side, for reflections
   int reflection_rays = 16;  // per pixel drawn and environment light
+  LiveUpdate update = LiveUpdate::automatic;
 };
 ParamList describe(LiveParams& params);
 
@@ -34,7 +38,7 @@ struct LiveReport {
 class LiveRenderer {
  public:
   // `transport` is of the scene's mesh and lights (one entry for each) and of its material's eta.
-  // It is copied to the device; the renderer does not refer to it afterwards. Throws
+  // It is copied, to where updates are made; the renderer does not refer to it afterwards. Throws
   // Error(resource) where textures exceed the device's limits.
   LiveRenderer(const GlLimits& limits, const Scene& scene, const HomogeneousTransport& transport,
                const LiveParams& params = {});

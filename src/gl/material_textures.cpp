@@ -8,36 +8,62 @@
 #include <numbers>
 
 #include "base/parallel.h"
+#include "math/fast_math.h"
 #include "transport/near_term.h"
 
 namespace parian {
 namespace {
 
-// h of one channel at r, linear between knots and beyond them.
-float interpolate(const std::vector<float>& knots, const float* half_log, float r) {
+// Where radii lie between the knots: the same for all pixels.
+struct KnotPlace {
+  std::size_t knot = 0;
+  float part = 0;
+};
+KnotPlace find_place(const std::vector<float>& knots, float r) {
   auto k =
       static_cast<std::size_t>(std::upper_bound(knots.begin(), knots.end(), r) - knots.begin());
   k = std::clamp<std::size_t>(k, 1, knots.size() - 1) - 1;
-  const float t = (r - knots[k]) / (knots[k + 1] - knots[k]);
-  return half_log[3 * k] + t * (half_log[3 * k + 3] - half_log[3 * k]);
+  return {k, (r - knots[k]) / (knots[k + 1] - knots[k])};
+}
+// h of one channel, linear between knots and beyond them.
+float interpolate(KnotPlace place, const float* half_log) {
+  const float* from = half_log + 3 * place.knot;
+  return from[0] + place.part * (from[3] - from[0]);
 }
 
-// I = int P w dA and int (P w)^2 dA over a plane, w the near term's weight: midpoints in r^2.
+// I = int P w dA and int (P w)^2 dA over a plane, w the near term's weight: midpoints in r^2, for
+// profiles that end at `end_mm` or beyond the near term.
+struct NearRule {
+  static constexpr std::size_t steps = 64;
+  std::array<KnotPlace, steps> place;
+  std::array<float, steps> weight{};
+  double ring_mm2 = 0;
+};
+NearRule make_near_rule(const std::vector<float>& knots, double end_mm, double near_mm) {
+  NearRule rule;
+  const double end = std::min(near_mm, end_mm);
+  rule.ring_mm2 = std::numbers::pi * end * end / static_cast<double>(NearRule::steps);
+  for (std::size_t i = 0; i < NearRule::steps; ++i) {
+    const double r =
+        end * std::sqrt((static_cast<double>(i) + 0.5) / static_cast<double>(NearRule::steps));
+    rule.place[i] = find_place(knots, static_cast<float>(r));
+    rule.weight[i] = static_cast<float>(near_weight(r, near_mm));
+  }
+  return rule;
+}
+
 struct NearValues {
   double integral = 0, square = 0;
 };
-NearValues integrate_near(const std::vector<float>& knots, const float* half_log, float support,
-                          double near_mm) {
-  constexpr int steps = 64;
+NearValues integrate_near(const NearRule& rule, const float* half_log) {
+  std::array<float, NearRule::steps> log_p, p;
+  for (std::size_t i = 0; i < p.size(); ++i) log_p[i] = 2 * interpolate(rule.place[i], half_log);
+  exp_array(log_p.data(), p.data(), p.size());
   NearValues values;
-  const double end = std::min(near_mm, static_cast<double>(support));
-  const double ring = std::numbers::pi * end * end / steps;
-  for (int i = 0; i < steps; ++i) {
-    const double r = end * std::sqrt((i + 0.5) / steps);
-    const double h = static_cast<double>(interpolate(knots, half_log, static_cast<float>(r)));
-    const double value = std::exp(2 * h) * near_weight(r, near_mm);
-    values.integral += ring * value;
-    values.square += ring * value * value;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const auto value = static_cast<double>(p[i] * rule.weight[i]);
+    values.integral += rule.ring_mm2 * value;
+    values.square += rule.ring_mm2 * value * value;
   }
   return values;
 }
@@ -50,13 +76,19 @@ struct Planes {
   std::vector<float> support, half_log, integral, count;
 };
 
-void fill_pixel(const ProfileField& field, const std::vector<float>& nodes, double area_mm2,
-                double near_mm, int x, int y, bool with_rows, Planes& planes) {
+// What turning them takes; no nodes: the rows are not wanted.
+struct PlaneRules {
+  std::vector<KnotPlace> nodes;
+  NearRule near;  // of profiles that reach beyond the near term
+  double near_mm = 0, area_mm2 = 0;
+};
+
+void fill_pixel(const ProfileField& field, const PlaneRules& rules, int x, int y,
+                std::vector<float>& row, Planes& planes) {
   const std::size_t pixels =
       static_cast<std::size_t>(field.width) * static_cast<std::size_t>(field.height);
   const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(field.width) +
                             static_cast<std::size_t>(x);
-  std::vector<float> row(field.row());
   std::array<float, 3> support{};
   field.eval(x, y, row.data(), support.data());
   if (support[0] <= 0) {
@@ -65,15 +97,16 @@ void fill_pixel(const ProfileField& field, const std::vector<float>& nodes, doub
   }
   for (std::size_t c = 0; c < 3; ++c) {
     planes.support[3 * pixel + c] = support[c];
-    const NearValues near = integrate_near(field.knots_mm, &row[c], support[c], near_mm);
+    const auto end = static_cast<double>(support[c]);
+    const NearValues near = integrate_near(
+        end >= rules.near_mm ? rules.near : make_near_rule(field.knots_mm, end, rules.near_mm),
+        &row[c]);
     planes.integral[3 * pixel + c] = static_cast<float>(near.integral);
     planes.count[3 * pixel + c] = static_cast<float>(
         std::min(static_cast<double>(most_samples),
-                 near.integral * near.integral / std::max(1e-300, area_mm2 * near.square)));
-    if (!with_rows) continue;
-    for (std::size_t j = 0; j < nodes.size(); ++j)
-      planes.half_log[3 * (j * pixels + pixel) + c] =
-          interpolate(field.knots_mm, &row[c], nodes[j]);
+                 near.integral * near.integral / std::max(1e-300, rules.area_mm2 * near.square)));
+    for (std::size_t j = 0; j < rules.nodes.size(); ++j)
+      planes.half_log[3 * (j * pixels + pixel) + c] = interpolate(rules.nodes[j], &row[c]);
   }
 }
 
@@ -85,10 +118,14 @@ Planes make_planes(const ProfileField& field, const std::vector<float>& nodes, d
   planes.support.resize(3 * pixels);
   planes.integral.resize(3 * pixels);
   planes.count.resize(3 * pixels);
-  if (with_rows) planes.half_log.resize(3 * pixels * nodes.size());
+  PlaneRules rules{{}, make_near_rule(field.knots_mm, near_mm, near_mm), near_mm, area_mm2};
+  if (with_rows)
+    for (const float node : nodes) rules.nodes.push_back(find_place(field.knots_mm, node));
+  planes.half_log.resize(3 * pixels * rules.nodes.size());
   parallel_for(static_cast<std::size_t>(field.height), [&](std::size_t y) {
+    std::vector<float> row(field.row());
     for (int x = 0; x < field.width; ++x)
-      fill_pixel(field, nodes, area_mm2, near_mm, x, static_cast<int>(y), with_rows, planes);
+      fill_pixel(field, rules, x, static_cast<int>(y), row, planes);
   });
   return planes;
 }
@@ -173,10 +210,9 @@ void add_blend(const ProfileBlend& blend, MaterialTextures& textures) {
 
 Vec3 eval_reference(const ReferenceProfile& reference, double r_mm) {
   const float* values = &reference.half_log[0].x;
-  const auto r = static_cast<float>(r_mm);
-  return {interpolate(reference.knots_mm, values, r),
-          interpolate(reference.knots_mm, values + 1, r),
-          interpolate(reference.knots_mm, values + 2, r)};
+  const KnotPlace place = find_place(reference.knots_mm, static_cast<float>(r_mm));
+  return {interpolate(place, values), interpolate(place, values + 1),
+          interpolate(place, values + 2)};
 }
 
 std::size_t MaterialTextures::bytes() const {

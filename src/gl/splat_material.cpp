@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
@@ -70,7 +71,7 @@ void SplatRenderer::Impl::set_material(const Material& next) {
   make_material_programs();
   bake_profiles(sources, programs.rows, *material);
   groups_are_old = pixels_are_old = true;
-  view_is_drawn = view_is_drawn && same_grid;
+  geometry_is_drawn = geometry_is_drawn && same_grid;
   view_is_old = view_is_old || radial.count != old_levels || material->is_sparse != was_sparse;
   report.material_s = watch.lap();
   report.levels = radial.count;
@@ -95,7 +96,12 @@ void SplatRenderer::Impl::make_material_programs() {
   const bool is_sparse = material->is_sparse;
   std::vector<std::string> of_samples = material->defines;
   if (is_layered) of_samples.push_back(fmt::format("PIXELS {}", params.antialias));
-  if (programs.defines == of_samples && programs.is_sparse == is_sparse) return;
+  const auto fits = [&](const MaterialPrograms& made) {
+    return made.defines == of_samples && made.is_sparse == is_sparse;
+  };
+  if (fits(programs)) return;
+  std::swap(programs, other_programs);
+  if (fits(programs)) return;
   std::vector<std::string> seen = of_samples;
   if (is_layered) seen.emplace_back("UNIFORM");
   programs.rows = make_rows_program(*material);

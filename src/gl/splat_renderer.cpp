@@ -95,7 +95,7 @@ void SplatRenderer::Impl::make_view() {
   if (geometry.positions.width != width || geometry.positions.height != height)
     targets = make_picture_targets(width, height);
   pyramid = make_view_pyramid(camera, radial, texel_sizes(), {format.sums, material->is_sparse});
-  view_is_old = view_is_drawn = false;
+  view_is_old = pyramid_is_drawn = false;
   report.blocks.clear();
   for (const ViewLevel& level : pyramid.levels) report.blocks.push_back(level.block);
   report.targets = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -204,6 +204,7 @@ void SplatRenderer::set_lights(const std::vector<Light>& lights, const Progress&
 void SplatRenderer::set_camera(const Camera& camera) {
   impl_->camera = make_splat_camera(camera, impl_->params.antialias, impl_->mesh_buffers.box);
   impl_->view_is_old = impl_->pixels_are_old = true;
+  impl_->geometry_is_drawn = false;
 }
 
 void SplatRenderer::draw(bool timed, const Progress& progress) {
@@ -217,12 +218,12 @@ void SplatRenderer::draw(bool timed, const Progress& progress) {
   if (impl.groups_are_old) group_sources(impl.sources, impl.source_programs);
   impl.groups_are_old = false;
   impl.report.group_s = lap();
-  if (!impl.view_is_drawn) {
+  if (!impl.geometry_is_drawn)
     draw_geometry(impl.targets.geometry, impl.geometry_program, impl.mesh_buffers, impl.camera,
                   impl.scene.mapping, impl.grid);
+  if (!impl.geometry_is_drawn || !impl.pyramid_is_drawn)
     draw_pyramid(impl.pyramid, impl.splat_programs, impl.targets.geometry, impl.camera);
-    impl.view_is_drawn = true;
-  }
+  impl.geometry_is_drawn = impl.pyramid_is_drawn = true;
   if (impl.pixels_are_old) impl.make_pixel_textures(progress);
   impl.report.view_s = lap();
   impl.report.splat_s = impl.report.resolve_s = 0;

@@ -44,9 +44,9 @@ struct SplatRenderer::Impl {
   RadialLevels radial;
   std::unique_ptr<MaterialTextures> material, of_pixels;
   bool is_layered = false;
-  bool pixels_are_old = true;  // of_pixels
-  SampleGrid grid;             // of the material itself
-  MaterialPrograms programs;
+  bool pixels_are_old = true;                 // of_pixels
+  SampleGrid grid;                            // of the material itself
+  MaterialPrograms programs, other_programs;  // those before: edits often go back and forth
   SplatTables tables;
 
   Sources sources;
@@ -58,8 +58,8 @@ struct SplatRenderer::Impl {
   SplatCamera camera;
   PictureTargets targets;
   ViewPyramid pyramid;
-  bool view_is_old = true;     // its textures
-  bool view_is_drawn = false;  // geometry and pyramid
+  bool view_is_old = true;  // its textures
+  bool geometry_is_drawn = false, pyramid_is_drawn = false;
   std::vector<float> coverage;
 
   void make_programs();

@@ -91,11 +91,23 @@ Program make_transport_program(const std::vector<PlacedTransport>& lights, bool 
 }  // namespace
 
 std::size_t TransportTextures::bytes() const {
-  std::size_t sum = byte_size(positions) + byte_size(normals) + byte_size(exitance);
+  std::size_t sum = byte_size(exitance);
+  for (const Texture* texture : {&positions, &normals})
+    if (texture->handle.get() != 0) sum += byte_size(*texture);
   for (const auto* lights : {&multiple, &single})
     for (const PlacedTransport& light : *lights)
       if (light.layers > 0) sum += byte_size(light.values);
   return sum;
+}
+
+TransportTextures make_radiance_textures(std::size_t places, TexelFormat sums) {
+  TransportTextures textures;
+  textures.places = places;
+  textures.width = row_length;
+  textures.height = std::max(1, static_cast<int>((places + row_length - 1) / row_length));
+  textures.exitance = make_texture(sums, textures.width, textures.height, "radiance of vertices");
+  textures.exitance_target = make_framebuffer({{&textures.exitance}}, "radiance of vertices");
+  return textures;
 }
 
 TransportTextures make_transport_textures(const std::vector<Vec3>& positions,
@@ -103,14 +115,9 @@ TransportTextures make_transport_textures(const std::vector<Vec3>& positions,
                                           const HomogeneousTransport& transport, TexelFormat sums) {
   PARIAN_CHECK_EQ(positions.size(), transport.places);
   PARIAN_CHECK_EQ(normals.size(), transport.places);
-  TransportTextures textures;
-  textures.places = transport.places;
-  textures.width = row_length;
-  textures.height = std::max(1, static_cast<int>((transport.places + row_length - 1) / row_length));
+  TransportTextures textures = make_radiance_textures(transport.places, sums);
   textures.positions = make_place_texture(textures, positions, "positions of vertices");
   textures.normals = make_place_texture(textures, normals, "normals of vertices");
-  textures.exitance = make_texture(sums, textures.width, textures.height, "radiance of vertices");
-  textures.exitance_target = make_framebuffer({{&textures.exitance}}, "radiance of vertices");
   textures.multiple.resize(transport.lights.size());
   textures.single.resize(transport.lights.size());
   for (std::size_t i = 0; i < transport.lights.size(); ++i)
@@ -165,6 +172,20 @@ void eval_transport(const TransportTextures& textures, const TransportPrograms& 
     }
   }
   set_additive_blending(false);
+  check_gl("radiance of vertices");
+}
+
+void put_radiance(const TransportTextures& textures, const std::vector<Rgb>& radiance) {
+  PARIAN_CHECK_EQ(radiance.size(), textures.places);
+  std::vector<Vec4> values(static_cast<std::size_t>(textures.width) *
+                           static_cast<std::size_t>(textures.height));
+  parallel_for_blocks(radiance.size(), 16384, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Rgb exitance = radiance[i] * std::numbers::pi_v<float>;
+      values[i] = {exitance.x, exitance.y, exitance.z, 1};
+    }
+  });
+  update_texture(textures.exitance, values.data());
   check_gl("radiance of vertices");
 }
 

@@ -33,6 +33,8 @@ struct TransportTextures {
 TransportTextures make_transport_textures(const std::vector<Vec3>& positions,
                                           const std::vector<Vec3>& normals,
                                           const HomogeneousTransport& transport, TexelFormat sums);
+// Of radiance alone, which put_radiance() brings.
+TransportTextures make_radiance_textures(std::size_t places, TexelFormat sums);
 // One light of it again, with as many functions.
 void update_light(TransportTextures& textures, std::size_t index, const LightTransport& light);
 
@@ -45,6 +47,8 @@ TransportPrograms make_transport_programs(const TransportTextures& textures);
 void eval_transport(const TransportTextures& textures, const TransportPrograms& programs,
                     const TransportCoefficients& coefficients, const std::vector<Rgb>& scale,
                     Vec3 eye, double eta);
+// The result of the same on the CPU (transport/homogeneous_transport.h).
+void put_radiance(const TransportTextures& textures, const std::vector<Rgb>& radiance);
 // Radiance of all places, less F_t.
 std::vector<Rgb> read_radiance(const TransportTextures& textures);
 

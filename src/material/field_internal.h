@@ -15,6 +15,9 @@ struct Corner {
 };
 std::array<Corner, 4> find_corners(int width, int height, double x, double y);
 
+// A map's profile into one that is used again and again.
+void get_profile(const ProfileMap& map, int channel, int x, int y, Profile& profile);
+
 inline constexpr double tail_step = 1.12;  // from knot to knot beyond the model's own
 
 // The model's own knots, and a few over the tail so that brackets stay tight there. Of knots that

@@ -12,6 +12,7 @@
 #include "material/bssrdf_table.h"
 #include "material/diffusion.h"
 #include "material/dilated_slices_internal.h"
+#include "material/field_internal.h"
 #include "material/plane_eval_internal.h"
 
 namespace parian {
@@ -98,13 +99,23 @@ class DilatedSource : public SliceSource {
   std::string name_;
 };
 
+void read_profile(const ProfileMap& map, int channel, int x, int y, Profile& profile) {
+  get_profile(map, channel, x, y, profile);
+}
+void read_profile(const ProfileBlend& blend, int channel, int x, int y, Profile& profile) {
+  profile = get_profile(blend, channel, x, y);
+}
+
 template <typename Grid>
 double support_of(const Grid& map) {
   std::vector<double> rows(static_cast<std::size_t>(map.height), 0.0);
   parallel_for(rows.size(), [&](std::size_t y) {
+    Profile profile;
     for (int c = 0; c < map.channels; ++c)
-      for (int x = 0; x < map.width; ++x)
-        rows[y] = std::max(rows[y], get_profile(map, c, x, static_cast<int>(y)).support_mm);
+      for (int x = 0; x < map.width; ++x) {
+        read_profile(map, c, x, static_cast<int>(y), profile);
+        rows[y] = std::max(rows[y], profile.support_mm);
+      }
   });
   return rows.empty() ? 0 : *std::max_element(rows.begin(), rows.end());
 }

@@ -4,9 +4,21 @@
 #include <limits>
 
 #include "base/check.h"
+#include "material/field_internal.h"
 #include "material/profile_map.h"
 
 namespace parian {
+namespace {
+
+void apply(double gain, double dilation, Profile& profile) {
+  const double shift = std::log(gain) - 2 * std::log(dilation);
+  for (double& knot : profile.knots_mm) knot *= dilation;
+  for (double& value : profile.log_value) value += shift;
+  profile.support_mm = profile_support(profile.knots_mm, profile.log_value);
+}
+
+}  // namespace
+
 double tail_slope(const std::vector<double>& knots_mm, const std::vector<double>& log_value) {
   const std::size_t n = knots_mm.size() - 1;
   const double floor = -min_tail_decay / knots_mm[n];
@@ -62,26 +74,29 @@ double profile_integral(const Profile& profile) {
 Profile make_profile(const std::vector<double>& knots_mm, std::vector<double> log_value,
                      double gain, double dilation) {
   Profile profile{knots_mm, std::move(log_value), 0};
-  const double shift = std::log(gain) - 2 * std::log(dilation);
-  for (double& knot : profile.knots_mm) knot *= dilation;
-  for (double& value : profile.log_value) value += shift;
-  profile.support_mm = profile_support(profile.knots_mm, profile.log_value);
+  apply(gain, dilation, profile);
   return profile;
 }
 
-Profile get_profile(const ProfileMap& map, int channel, int x, int y) {
+void get_profile(const ProfileMap& map, int channel, int x, int y, Profile& profile) {
   PARIAN_CHECK(x >= 0 && x < map.width && y >= 0 && y < map.height && channel >= 0 &&
                channel < map.channels);
   const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) +
                             static_cast<std::size_t>(x);
   const std::size_t plane = static_cast<std::size_t>(channel) * map.pixels() + pixel;
-  std::vector<double> log_value;
-  log_value.reserve(map.knots_mm.size());
+  profile.knots_mm = map.knots_mm;
+  profile.log_value.clear();
   for (std::size_t k = 0; k < map.knots_mm.size(); ++k)
-    log_value.push_back(static_cast<double>(knot_plane(map, channel, static_cast<int>(k))[pixel]));
-  return make_profile(map.knots_mm, std::move(log_value),
-                      map.gain.empty() ? 1.0 : static_cast<double>(map.gain[plane]),
-                      map.dilation.empty() ? 1.0 : static_cast<double>(map.dilation[plane]));
+    profile.log_value.push_back(
+        static_cast<double>(knot_plane(map, channel, static_cast<int>(k))[pixel]));
+  apply(map.gain.empty() ? 1.0 : static_cast<double>(map.gain[plane]),
+        map.dilation.empty() ? 1.0 : static_cast<double>(map.dilation[plane]), profile);
+}
+
+Profile get_profile(const ProfileMap& map, int channel, int x, int y) {
+  Profile profile;
+  get_profile(map, channel, x, y, profile);
+  return profile;
 }
 
 }  // namespace parian

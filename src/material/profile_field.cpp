@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdint>
 #include <memory>
 
+#include "base/parallel.h"
 #include "material/diffusion.h"
 #include "material/field_internal.h"
 
@@ -20,11 +21,16 @@ struct Rows {
 
 // ln P without the cut at the support, so that it is linear over the tail as well.
 void fill_row(const Profile& profile, const std::vector<float>& knots, float* half_log) {
-  Profile uncut = profile;
-  uncut.support_mm = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < knots.size(); ++k)
-    half_log[3 * k] =
-        static_cast<float>(0.5 * eval_log_profile(uncut, static_cast<double>(knots[k])));
+  const std::vector<double>&own = profile.knots_mm, &value = profile.log_value;
+  std::size_t k = 0;
+  const auto fill = [&](std::size_t i, double slope, double end) {
+    for (; k < knots.size() && static_cast<double>(knots[k]) < end; ++k)
+      half_log[3 * k] =
+          static_cast<float>(0.5 * (value[i] + slope * (static_cast<double>(knots[k]) - own[i])));
+  };
+  for (std::size_t i = 0; i + 1 < own.size(); ++i)
+    fill(i, (value[i + 1] - value[i]) / (own[i + 1] - own[i]), own[i + 1]);
+  fill(own.size() - 1, tail_slope(own, value), HUGE_VAL);
 }
 
 // From 0 to `last`: the first step is `first`, every further one longer by the same factor.
@@ -43,9 +49,9 @@ std::vector<float> make_graded_knots(double first, double last, int count) {
   return knots;
 }
 
-bool falls_everywhere(const Rows& rows, std::size_t row) {
-  for (std::size_t i = 0; i + 3 < rows.half_log.size(); ++i)
-    if (i % row + 3 < row && rows.half_log[i + 3] > rows.half_log[i]) return false;
+bool falls_everywhere(const float* half_log, std::size_t row) {
+  for (std::size_t i = 0; i + 3 < row; ++i)
+    if (half_log[i + 3] > half_log[i]) return false;
   return true;
 }
 
@@ -82,19 +88,23 @@ ProfileField make_field(const ProfileMap& map, double support) {
   const auto rows = std::make_shared<Rows>();
   rows->half_log.resize(map.pixels() * field.row());
   rows->support.resize(map.pixels() * 3);
-  for (int y = 0; y < map.height; ++y)
-    for (int x = 0; x < map.width; ++x)
+  std::vector<std::uint8_t> falls(static_cast<std::size_t>(map.height), 1);
+  parallel_for(falls.size(), [&](std::size_t y) {
+    Profile profile;
+    for (int x = 0; x < map.width; ++x) {
+      const std::size_t pixel =
+          y * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(x);
+      float* half_log = &rows->half_log[pixel * field.row()];
       for (int c = 0; c < 3; ++c) {
-        const Profile profile = get_profile(map, std::min(c, map.channels - 1), x, y);
-        const std::size_t pixel =
-            static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) +
-            static_cast<std::size_t>(x);
-        const std::size_t plane = 3 * pixel + static_cast<std::size_t>(c);
-        fill_row(profile, field.knots_mm,
-                 &rows->half_log[pixel * field.row() + static_cast<std::size_t>(c)]);
-        rows->support[plane] = static_cast<float>(profile.support_mm);
+        get_profile(map, std::min(c, map.channels - 1), x, static_cast<int>(y), profile);
+        fill_row(profile, field.knots_mm, half_log + c);
+        rows->support[3 * pixel + static_cast<std::size_t>(c)] =
+            static_cast<float>(profile.support_mm);
       }
-  field.monotone = falls_everywhere(*rows, field.row());
+      if (!falls_everywhere(half_log, field.row())) falls[y] = 0;
+    }
+  });
+  field.monotone = std::find(falls.begin(), falls.end(), 0) == falls.end();
   field.eval = [rows, width = map.width, height = map.height, row = field.row()](
                    double x, double y, float* half_log, float* supports) {
     eval_rows(*rows, width, height, row, x, y, half_log, supports);
@@ -151,7 +161,7 @@ ProfileField make_field(const Dipole& dipole, double support) {
           0.5 * std::log(eval_curve(curve, static_cast<double>(field.knots_mm[k]))));
     rows->support.push_back(static_cast<float>(support_of(curve)));
   }
-  field.monotone = falls_everywhere(*rows, field.row());
+  field.monotone = falls_everywhere(rows->half_log.data(), field.row());
   field.eval = [rows](double, double, float* half_log, float* supports) {
     std::copy(rows->half_log.begin(), rows->half_log.end(), half_log);
     std::copy(rows->support.begin(), rows->support.end(), supports);

@@ -53,9 +53,10 @@ HomogeneousTransport make_transport(const Scene& scene) {
   return precompute_transport(scene, params);
 }
 
-LiveParams quick_params() {
+LiveParams quick_params(LiveUpdate update = LiveUpdate::device) {
   LiveParams params;
   params.antialias = 1;
+  params.update = update;
   return params;
 }
 
@@ -111,6 +112,48 @@ TEST(Live, VerticesAreThoseOfTheCpu) {
   }
 }
 
+TEST(Live, UpdatesOnTheCpuAreThoseOnTheDevice) {
+  Scene scene = make_scene();
+  const HomogeneousTransport transport = make_transport(scene);
+  const OffscreenContext context;
+  LiveRenderer on_device(context.limits(), scene, transport, quick_params());
+  LiveRenderer on_cpu(context.limits(), scene, transport, quick_params(LiveUpdate::cpu));
+  Camera other = scene.camera;
+  other.position = scene.camera.target + Vec3{0, 60, 30};
+  for (LiveRenderer* renderer : {&on_device, &on_cpu}) {
+    renderer->set_light(0, scene.lights[0], transport.lights[0]);
+    renderer->set_light_scale({{0.5f, 1, 2}, {3, 1, 0}});
+    renderer->set_material(make_material(0.3));
+    renderer->set_camera(other);
+    renderer->draw();
+  }
+  EXPECT_LE(compare_vertices(on_cpu.read_vertices(), on_device.read_vertices()), rounding);
+  const Image expected = on_device.read(), image = on_cpu.read();
+  const RelativeErrors errors = relative_errors(expected, image, on_cpu.coverage());
+  EXPECT_GT(errors.pixels, 1000u);
+  EXPECT_LE(errors.p99, 1e-3);
+  EXPECT_LT(on_cpu.report().texture_bytes, on_device.report().texture_bytes);
+}
+
+// By the device's name: those that are software leave the sums to the CPU.
+TEST(Live, SoftwareDevicesUpdateOnTheCpu) {
+  const Scene scene = make_scene(/*has_single=*/false);
+  const HomogeneousTransport transport = make_transport(scene);
+  const OffscreenContext context;
+  const auto bytes = [&](const char* name, LiveUpdate update) {
+    GlLimits limits = context.limits();
+    limits.renderer = name;
+    return LiveRenderer(limits, scene, transport, quick_params(update)).report().texture_bytes;
+  };
+  const std::size_t on_device = bytes("llvmpipe (LLVM 15.0.6, 256 bits)", LiveUpdate::device);
+  const std::size_t on_cpu = bytes("NVIDIA H200/PCIe/SSE2", LiveUpdate::cpu);
+  EXPECT_LT(on_cpu, on_device);
+  EXPECT_EQ(bytes("NVIDIA H200/PCIe/SSE2", LiveUpdate::automatic), on_device);
+  for (const char* software :
+       {"llvmpipe (LLVM 15.0.6, 256 bits)", "softpipe", "Software Rasterizer swrast"})
+    EXPECT_EQ(bytes(software, LiveUpdate::automatic), on_cpu) << software;
+}
+
 TEST(Live, PicturesAreThoseOfTheCpu) {
   const Scene scene = make_scene();
   const HomogeneousTransport transport = make_transport(scene);
@@ -134,12 +177,15 @@ TEST(Live, PicturesAreThoseOfTheCpu) {
   }
 }
 
-TEST(Live, ChangesLeaveNothingBehind) {
+class LiveChanges : public testing::TestWithParam<LiveUpdate> {};
+INSTANTIATE_TEST_SUITE_P(Live, LiveChanges, testing::Values(LiveUpdate::device, LiveUpdate::cpu));
+
+TEST_P(LiveChanges, LeaveNothingBehind) {
   Scene scene = make_scene();
   scene.specular.enabled = true;
   const HomogeneousTransport transport = make_transport(scene);
   const OffscreenContext context;
-  LiveRenderer renderer(context.limits(), scene, transport, quick_params());
+  LiveRenderer renderer(context.limits(), scene, transport, quick_params(GetParam()));
   renderer.draw();
   const Image first = renderer.read();
   Camera other = scene.camera;

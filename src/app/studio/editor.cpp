@@ -8,6 +8,7 @@
 #include <mutex>
 #include <thread>
 #include <utility>
+#include <variant>
 
 #include "base/error.h"
 #include "io/json/json.h"
@@ -46,7 +47,8 @@ std::shared_ptr<EditorSnapshot> make_snapshot(const EditSession& session, const 
     }
     snapshot->layers.push_back(std::move(view));
   }
-  snapshot->map = std::make_shared<const ProfileMap>(make_profile_map(state));
+  snapshot->material = std::make_shared<const Material>(make_profile_map(state));
+  snapshot->map = {snapshot->material, &std::get<ProfileMap>(*snapshot->material)};
   return snapshot;
 }
 
@@ -228,13 +230,13 @@ void Editor::wait() {
   impl_->idle.wait(lock, [this] { return !impl_->works && impl_->queue.empty(); });
 }
 
-Editor::Change set_layer(std::size_t index, Document layer) {
+Editor::Change set_layer(std::size_t index, const Document& layer) {
   return [index, layer = with_places(layer)](EditSession& session) {
     return with_layer(session, index, layer);
   };
 }
 
-Editor::Change insert_layer(std::size_t index, Document layer) {
+Editor::Change insert_layer(std::size_t index, const Document& layer) {
   return [index, layer = with_places(layer)](EditSession& session) {
     return with_new_layer(session, index, layer);
   };

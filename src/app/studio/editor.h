@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "edit/session.h"
+#include "material/material.h"
 
 namespace parian {
 
@@ -28,10 +29,11 @@ struct EditorSnapshot {
   Document recipe;
   std::vector<LayerSnapshot> layers;
   EditState before, after;
-  std::shared_ptr<const ProfileMap> map;  // of `after`
-  std::vector<std::string> history;       // labels of what can be undone, oldest first
-  std::vector<std::string> future;        // of what can be redone, next first
-  double seconds = 0;                     // of the last evaluation
+  std::shared_ptr<const Material> material;  // of `after`
+  std::shared_ptr<const ProfileMap> map;     // the same
+  std::vector<std::string> history;          // labels of what can be undone, oldest first
+  std::vector<std::string> future;           // of what can be redone, next first
+  double seconds = 0;                        // of the last evaluation
 };
 
 struct EditorActivity {
@@ -69,8 +71,8 @@ class Editor {
 };
 
 // Changes.
-Editor::Change set_layer(std::size_t index, Document layer);
-Editor::Change insert_layer(std::size_t index, Document layer);
+Editor::Change set_layer(std::size_t index, const Document& layer);
+Editor::Change insert_layer(std::size_t index, const Document& layer);
 Editor::Change remove_layer(std::size_t index);
 Editor::Change move_layer(std::size_t from, std::size_t to);
 Editor::Change set_whole_recipe(Document recipe);

@@ -73,7 +73,7 @@ void update_map(Studio& studio) {
       studio.selected_layer = studio.snapshot->layers.size() - 1;
   }
   if (!studio.is_homogeneous) {
-    studio.material = std::make_shared<const Material>(*studio.snapshot->map);
+    studio.material = studio.snapshot->material;
     studio.shown_compressed.reset();
     studio.compressed.clear();
   }

@@ -98,7 +98,7 @@ void set_homogeneous(Studio& studio, const HomogeneousControls& controls) {
 void leave_homogeneous(Studio& studio) {
   if (!studio.is_homogeneous || studio.snapshot == nullptr) return;
   studio.is_homogeneous = false;
-  studio.material = std::make_shared<const Material>(*studio.snapshot->map);
+  studio.material = studio.snapshot->material;
   touch_view(studio);
 }
 
@@ -117,7 +117,7 @@ void show_compressed(Studio& studio, std::optional<std::size_t> index) {
   if (studio.shown_compressed == index || studio.is_homogeneous) return;
   studio.shown_compressed = index;
   studio.material = index ? std::make_shared<const Material>(*studio.compressed.at(*index).blend)
-                          : std::make_shared<const Material>(*studio.snapshot->map);
+                          : studio.snapshot->material;
   touch_view(studio);
 }
 
