@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 
 #include "base/check.h"
@@ -49,7 +50,7 @@ void ScreenTexture::upload(const std::vector<std::uint8_t>& rgba, int width, int
 }
 
 void* ScreenTexture::id() const {
-  return reinterpret_cast<void*>(static_cast<std::uintptr_t>(handle_.get()));
+  return std::bit_cast<void*>(static_cast<std::uintptr_t>(handle_.get()));
 }
 
 }  // namespace parian
