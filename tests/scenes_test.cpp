@@ -175,7 +175,7 @@ TEST(Scenes, SchemaHasTheDescribedRanges) {
   expect_agreement(get(definitions, "mapping"), describe(scene.mapping), 1);
   expect_agreement(get(definitions, "specular"), describe(scene.specular), 0);
   SurfaceLayer layer;
-  expect_agreement(get(definitions, "layer"), describe(layer), 4);
+  expect_agreement(get(definitions, "layer"), describe(layer), 5);
   // Beside the type and whether it is inverted.
   const auto expect_mask = [&](const std::string& type, auto mask, std::size_t own) {
     expect_agreement(get(definitions, type + "_mask"), describe(mask), own + 2);

@@ -54,7 +54,7 @@ void SplatRenderer::Impl::set_material(const Material& next) {
   grid = next_grid;
   std::optional<ProfileField> layered;
   if (!scene.layers.empty()) layered = make_sample_field(scene, samples);
-  is_layered = layered.has_value();
+  const bool was_layered = std::exchange(is_layered, layered.has_value());
   if (is_layered) field = std::move(*layered);
   max_support_mm = static_cast<double>(field.max_support_mm);
   // The near term lies within the first level.
@@ -65,7 +65,8 @@ void SplatRenderer::Impl::set_material(const Material& next) {
       make_material_textures(is_layered ? nullptr : std::get_if<ProfileBlend>(&next), field, radial,
                              area_mm2, near.near_mm));
   tables = make_splat_tables(radial, material->reference, near, area_mm2);
-  const bool same_sources = same_boundary && same_grid && radial.count == old_levels;
+  const bool same_sources = same_boundary && same_grid && radial.count == old_levels &&
+                            was_layered == is_layered;
   if (!same_sources) place_samples();
   if (!same_sources && same_boundary) put_flux();
   make_material_programs();

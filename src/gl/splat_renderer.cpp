@@ -1,5 +1,7 @@
 #include "gl/splat_renderer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -180,6 +182,15 @@ void SplatRenderer::set_material(const Material& material) {
     const std::vector<Light> lights = impl_->scene.lights;
     set_lights(lights);
   }
+}
+
+void SplatRenderer::set_material(const Material& material,
+                                 const std::vector<SurfaceLayer>& layers) {
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    check_layer(layers[i], material, {}, impl_->scene.mesh, impl_->scene.mesh_name,
+                fmt::format("/layers/{}", i));
+  impl_->scene.layers = layers;
+  set_material(material);
 }
 
 void SplatRenderer::set_lights(const std::vector<Light>& lights, const Progress& progress) {

@@ -75,8 +75,10 @@ class SplatRenderer {
   SplatRenderer& operator=(SplatRenderer&&) noexcept;
 
   // Each of these and then draw; what did not change is kept. The scene's layers lie over any
-  // material; their profiles are found anew for each pixel when material or camera change.
+  // material until others come with one, which are checked as the first ones; their profiles are
+  // found anew for each pixel when material, layers or camera change.
   void set_material(const Material& material);
+  void set_material(const Material& material, const std::vector<SurfaceLayer>& layers);
   void set_lights(const std::vector<Light>& lights, const Progress& progress = {});
   void set_camera(const Camera& camera);
 

@@ -14,6 +14,7 @@ struct DipoleCoefficients {
   double sigma_a = 0.01;
   double sigma_s_prime = 1;  // (1 - g) sigma_s
   double g = 0;              // mean cosine of scattering angles, in (-1, 1): single scattering only
+  friend bool operator==(const DipoleCoefficients&, const DipoleCoefficients&) = default;
 };
 
 enum class DiffusionModel {
@@ -26,11 +27,13 @@ enum class DiffusionModel {
 struct DipoleLayer {
   std::vector<DipoleCoefficients> channels;  // as many as the material above
   double thickness_mm = 0;                   // 0: without end, only as the last
+  friend bool operator==(const DipoleLayer&, const DipoleLayer&) = default;
 };
 
 // A curve that was edited by hand: factors at increasing lengths, linear between, constant beyond.
 struct CurvePoint {
   double mm = 0, factor = 1;
+  friend bool operator==(const CurvePoint&, const CurvePoint&) = default;
 };
 using CurveGain = std::vector<CurvePoint>;  // empty: 1 everywhere
 double eval_gain(const CurveGain& gain, double mm);
@@ -45,6 +48,7 @@ struct Dipole {
   std::vector<DipoleLayer> below = {};
   CurveGain reflectance_gain = {};  // of R_d over r, all channels
   CurveGain attenuation_gain = {};  // of E = e^(-sigma_t s) over s (Xu et al., Eq. 6)
+  friend bool operator==(const Dipole&, const Dipole&) = default;
 };
 
 // sigma_s = sigma_s' / (1 - g)

@@ -25,7 +25,7 @@ Dipole make_wax(double absorption = 0.02) {
 
 SurfaceLayer make_layer(Material material, SurfaceMask mask = {}) {
   SurfaceLayer layer;
-  layer.material = std::move(material);
+  layer.material = std::make_shared<const Material>(std::move(material));
   layer.mask = std::move(mask);
   return layer;
 }

@@ -52,7 +52,7 @@ std::size_t layer_bytes(const Scene& scene, std::size_t samples, std::size_t tar
   ProfileSizes most = profile_sizes(std::get<Material>(scene.material));
   std::size_t fields = most.pixels * most.knots;
   for (const SurfaceLayer& layer : scene.layers) {
-    const ProfileSizes sizes = profile_sizes(layer.material);
+    const ProfileSizes sizes = profile_sizes(*layer.material);
     fields += sizes.pixels * sizes.knots;
     most.knots = std::max(most.knots, sizes.knots);
   }

@@ -335,6 +335,19 @@ void Refinement::set_material(const SurfaceMaterial& material) {
   impl.scene.material = material;
 }
 
+void Refinement::set_material(const SurfaceMaterial& material,
+                              const std::vector<SurfaceLayer>& layers) {
+  Scene& scene = impl_->scene;
+  std::vector<SurfaceLayer> old = std::exchange(scene.layers, layers);
+  set_material(material);
+  try {
+    check_layers(scene, scene.mesh_name);
+  } catch (...) {
+    scene.layers = std::move(old);
+    throw;
+  }
+}
+
 void Refinement::set_lights(const std::vector<Light>& lights) {
   impl_->forget_gatherer();
   impl_->flux.reset();

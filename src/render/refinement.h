@@ -51,6 +51,8 @@ class Refinement {
   // Each starts the passes again. Samples stay; light does where the material changes but for its
   // boundary and index; everything but the view does where the camera changes.
   void set_material(const SurfaceMaterial& material);
+  // With other layers over it, which are checked as the first ones.
+  void set_material(const SurfaceMaterial& material, const std::vector<SurfaceLayer>& layers);
   void set_lights(const std::vector<Light>& lights);
   void set_camera(const Camera& camera);
 

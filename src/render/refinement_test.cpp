@@ -177,12 +177,24 @@ TEST(Refinement, ChangesLeaveNothingBehind) {
 TEST(Refinement, LayersAndSingleScatteringAreThoseOfRender) {
   Scene scene = make_striped_scene();
   SurfaceLayer layer;
-  layer.material = make_uniform_map(2, 0.4);
+  layer.material = std::make_shared<const Material>(make_uniform_map(2, 0.4));
   layer.mask = {{GradientMask{{0, 0, 0}, {0, 20, 0}}}};
   scene.layers.push_back(layer);
   RefinementParams params = few_params();
   params.render.antialias = 1;
   Refinement layered(scene, params);
+  finish(layered);
+  EXPECT_LT(largest_error(layered.image(), render_brute(scene, params)), 2e-5);
+  scene.layers[0].opacity = 0.5;
+  layered.set_material(scene.material, scene.layers);
+  finish(layered);
+  EXPECT_LT(largest_error(layered.image(), render_brute(scene, params)), 2e-5);
+  SurfaceLayer other = layer;
+  other.material = std::make_shared<const Material>(
+      make_uniform_map(2, 0.4, Boundary::excluded));
+  EXPECT_THROW(layered.set_material(scene.material, {other}), Error);
+  scene.layers.clear();
+  layered.set_material(scene.material, {});
   finish(layered);
   EXPECT_LT(largest_error(layered.image(), render_brute(scene, params)), 2e-5);
 

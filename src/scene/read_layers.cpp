@@ -9,15 +9,17 @@ namespace {
 
 SurfaceLayer read_layer(const Document& node, const SceneLoaders& loaders) {
   SurfaceLayer layer;
-  read_params(node, describe(layer), {"name", "material", "mapping", "mask"});
+  read_params(node, describe(layer), {"name", "enabled", "material", "mapping", "mask"});
   if (const Document* mapping = find(node, "mapping")) read_mapping(*mapping, layer.mapping);
   if (const Document* mask = find(node, "mask")) layer.mask = read_mask(*mask, loaders);
   const Document& source = get(node, "material");
   SurfaceMaterial material = read_material(source, loaders, layer.material_name);
   if (std::holds_alternative<BssrdfTable>(material))
     throw_at(source, "a fitted or homogeneous material", "the table '" + layer.material_name + "'");
-  layer.material = std::move(std::get<Material>(material));
+  layer.material = std::make_shared<const Material>(std::move(std::get<Material>(material)));
+  if (const Document* file = find(source, "file")) layer.material_file = as_string(*file);
   if (const Document* name = find(node, "name")) layer.material_name = as_string(*name);
+  if (const Document* enabled = find(node, "enabled")) layer.enabled = as_bool(*enabled);
   return layer;
 }
 

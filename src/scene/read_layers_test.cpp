@@ -76,7 +76,7 @@ TEST(ReadLayers, Defaults) {
   ASSERT_EQ(scene.layers.size(), 1);
   const SurfaceLayer& only = scene.layers[0];
   EXPECT_EQ(only.material_name, "m.h5");
-  EXPECT_TRUE(std::holds_alternative<ProfileMap>(only.material));
+  EXPECT_TRUE(std::holds_alternative<ProfileMap>(*only.material));
   EXPECT_TRUE(only.mask.empty());
   for (const double value : {only.opacity, only.albedo, only.range, only.shape})
     EXPECT_EQ(value, 1);

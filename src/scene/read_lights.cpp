@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t max_lights = 64;
 
 DirectionalLight read_directional(const Document& node) {
-  check_keys(node, {"type", "direction", "irradiance"});
+  check_keys(node, {"type", "enabled", "direction", "irradiance"});
   DirectionalLight light;
   light.direction = read_direction(get(node, "direction"));
   if (const Document* irradiance = find(node, "irradiance"))
@@ -24,7 +24,7 @@ DirectionalLight read_directional(const Document& node) {
 }
 
 PointLight read_point(const Document& node) {
-  check_keys(node, {"type", "position", "intensity"});
+  check_keys(node, {"type", "enabled", "position", "intensity"});
   PointLight light;
   light.position = read_vec3(get(node, "position"), -max_length_mm, max_length_mm);
   light.intensity = read_rgb(get(node, "intensity"));
@@ -40,7 +40,7 @@ Image read_sky(const Document& node) {
 
 EnvironmentLight read_environment(const Document& node, const SceneLoaders& loaders,
                                   std::vector<std::string>& warnings) {
-  check_keys(node, {"type", "file", "sky", "rotation_deg", "scale"});
+  check_keys(node, {"type", "enabled", "file", "sky", "rotation_deg", "scale"});
   const Document* file = find(node, "file");
   const Document* sky = find(node, "sky");
   if ((file == nullptr) == (sky == nullptr))
@@ -51,24 +51,34 @@ EnvironmentLight read_environment(const Document& node, const SceneLoaders& load
   if (const Document* scale = find(node, "scale")) light.scale = read_rgb(*scale);
   if (sky != nullptr) {
     light.image = read_sky(*sky);
+    light.sky = as_string(*sky);
   } else {
     PARIAN_CHECK(loaders.load_image != nullptr);
     const std::string& path = read_path(*file);
     std::size_t negative = 0;
     light.image = make_environment_image(loaders.load_image(path), path, &negative);
+    light.file = path;
     if (negative > 0)
       warnings.push_back(fmt::format("{}: {} negative values count as 0", path, negative));
   }
   return light;
 }
 
-Light read_light(const Document& node, const SceneLoaders& loaders,
-                 std::vector<std::string>& warnings) {
+Light read_kind(const Document& node, const SceneLoaders& loaders,
+                std::vector<std::string>& warnings) {
   const Document& type = get(node, "type");
   if (as_string(type) == "directional") return read_directional(node);
   if (as_string(type) == "point") return read_point(node);
   if (as_string(type) == "environment") return read_environment(node, loaders, warnings);
   throw_unknown(type, {"directional", "point", "environment"});
+}
+
+Light read_light(const Document& node, const SceneLoaders& loaders,
+                 std::vector<std::string>& warnings) {
+  Light light = read_kind(node, loaders, warnings);
+  if (const Document* enabled = find(node, "enabled"))
+    std::visit([&](auto& one) { one.enabled = as_bool(*enabled); }, light);
+  return light;
 }
 
 }  // namespace
@@ -103,6 +113,7 @@ Vec3 read_direction(const Document& node) {
   const Vec3 v = read_vec3(node, -max_length_mm, max_length_mm);
   const float largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   if (!(largest >= 1e-9f)) throw_at(node, "a direction other than zero", "[0, 0, 0]");
+  if (std::abs(dot(v, v) - 1) < 1e-6f) return v;  // what was written is read back to the bit
   return normalize(v / largest);
 }
 

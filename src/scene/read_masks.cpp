@@ -27,7 +27,7 @@ void read_plain(const Document& node, Mask& mask, std::vector<std::string> own) 
 VertexMask read_vertex(const Document& node, const SceneLoaders& loaders) {
   VertexMask mask;
   read_plain(node, mask, {"file"});
-  const std::string& path = read_path(get(node, "file"));
+  const std::string& path = mask.file = read_path(get(node, "file"));
   PARIAN_CHECK(loaders.load_document != nullptr);
   const Document weights = loaders.load_document(path);
   mask.weights.reserve(as_array(weights).size());
@@ -39,6 +39,7 @@ VertexMask read_vertex(const Document& node, const SceneLoaders& loaders) {
 TextureMask read_texture(const Document& node, const SceneLoaders& loaders) {
   TextureMask mask;
   read_plain(node, mask, {"file"});
+  mask.file = read_path(get(node, "file"));
   mask.image = read_mask_image(get(node, "file"), loaders);
   return mask;
 }
@@ -49,7 +50,10 @@ ProjectedMask read_projected(const Document& node, const SceneLoaders& loaders) 
   mask.center = read_place(get(node, "center"));
   mask.direction = read_direction(get(node, "direction"));
   if (const Document* up = find(node, "up")) mask.up = read_direction(*up);
-  if (const Document* file = find(node, "file")) mask.image = read_mask_image(*file, loaders);
+  if (const Document* file = find(node, "file")) {
+    mask.file = read_path(*file);
+    mask.image = read_mask_image(*file, loaders);
+  }
   return mask;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -42,16 +43,17 @@ void read_mesh(const Document& node, const SceneLoaders& loaders, Scene& scene) 
                           .unit = "mm"}};
   read_params(node, params, {"file", "shape", "rotation_deg"});
   get(node, "size_mm");
-  Vec3 rotation;
+  Vec3& rotation = scene.mesh_source.rotation_deg;
+  scene.mesh_source.size_mm = size_mm;
   if (const Document* degrees = find(node, "rotation_deg"))
     rotation = read_vec3(*degrees, -360, 360);
   const Document& source = get_one_of(node, {"file", "shape"});
   if (find(node, "file") != nullptr) {
-    scene.mesh_name = read_path(source);
+    scene.mesh_name = scene.mesh_source.file = read_path(source);
     PARIAN_CHECK(loaders.load_mesh != nullptr);
     scene.mesh = loaders.load_mesh(scene.mesh_name);
   } else {
-    scene.mesh_name = as_string(source);
+    scene.mesh_name = scene.mesh_source.shape = as_string(source);
     scene.mesh = find_at(source, [](const std::string& name) { return make_shape(name); });
   }
   if (rotation != Vec3{}) rotate(scene.mesh, rotation);
@@ -98,7 +100,7 @@ void read_background(const Document& node, Scene& scene) {
 
 }  // namespace
 
-Scene read_scene(const Document& document, const SceneLoaders& loaders) {
+Scene read_scene(const Document& document, const SceneLoaders& loaders, Disabled disabled) {
   check_keys(document, {"$schema", "description", "mesh", "material", "mapping", "layers",
                         "specular", "camera", "lights", "exposure", "background", "output"});
   Scene scene;
@@ -118,12 +120,19 @@ Scene read_scene(const Document& document, const SceneLoaders& loaders) {
                  .found = "none"});
   const Document* lights = find(document, "lights");
   if (lights != nullptr) scene.lights = read_lights(*lights, loaders, scene.warnings);
-  if (scene.lights.empty())
+  const auto is_off = [](const Light& light) {
+    return !std::visit([](const auto& one) { return one.enabled; }, light);
+  };
+  if (std::all_of(scene.lights.begin(), scene.lights.end(), is_off))
     scene.warnings.push_back(
         warning_at(lights != nullptr ? *lights : document, "no light: the mesh will be black"));
   if (const Document* node = find(document, "background")) read_background(*node, scene);
   scene.material = read_material(material, loaders, scene.material_name);
+  if (const Document* file = find(material, "file")) scene.material_file = as_string(*file);
   if (const Document* node = find(document, "layers")) read_layers(*node, loaders, scene);
+  if (disabled == Disabled::keep) return scene;
+  std::erase_if(scene.lights, is_off);
+  std::erase_if(scene.layers, [](const SurfaceLayer& layer) { return !layer.enabled; });
   return scene;
 }
 

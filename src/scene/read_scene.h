@@ -19,6 +19,9 @@ struct SceneLoaders {
 
 // Relative paths are resolved against the document's folder by the loaders, which get them as
 // written. Errors name file and JSON pointer. Unknown keys are errors.
-Scene read_scene(const Document& document, const SceneLoaders& loaders);
+// Lights and layers that are not enabled are checked, too, and left out unless they shall be kept.
+enum class Disabled { drop, keep };
+Scene read_scene(const Document& document, const SceneLoaders& loaders,
+                 Disabled disabled = Disabled::drop);
 
 }  // namespace parian

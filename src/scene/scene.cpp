@@ -7,30 +7,14 @@
 namespace parian {
 namespace {
 
-void check_layer(const Scene& scene, const SurfaceLayer& layer, const std::string& file,
-                 const std::string& place) {
-  const auto of = [](const std::string& name) { return name.empty() ? "" : " of '" + name + "'"; };
-  const auto name = [](Boundary boundary) {
-    return boundary == Boundary::included ? "included" : "excluded";
-  };
-  const Boundary base = boundary_of(scene.material), own = boundary_of(layer.material);
-  const double base_eta = eta_of(scene.material), own_eta = eta_of(layer.material);
-  if (base != own)
-    throw Error(
-        {file, place + "/material",
-         fmt::format("the boundary '{}'{}, which lies below", name(base), of(scene.material_name)),
-         fmt::format("'{}'{}", name(own), of(layer.material_name))});
-  if (base_eta != own_eta)
-    throw Error({file, place + "/material",
-                 fmt::format("the eta {}{}, which lies below", base_eta, of(scene.material_name)),
-                 fmt::format("{}{}", own_eta, of(layer.material_name))});
-  if (layer.mapping.kind == MappingKind::uv && scene.mesh.texcoords.empty())
-    throw Error({file, place + "/mapping",
-                 "a mesh with texture coordinates, as the mapping is 'uv'", "none"});
-  auto& plain = const_cast<SurfaceLayer&>(layer);  // checks only read
-  check(describe(plain));
-  check(describe(plain.mapping));
-  check(layer.mask, scene.mesh, file, place + "/mask");
+void visit_masks(SurfaceMask& mask, const std::function<void(std::string& path)>& visit) {
+  for (MaskTerm& term : mask)
+    std::visit(
+        [&](auto& shape) {
+          if constexpr (requires { shape.file; })
+            if (!shape.file.empty()) visit(shape.file);
+        },
+        term.shape);
 }
 
 }  // namespace
@@ -123,7 +107,47 @@ void check_layers(const Scene& scene, const std::string& file) {
     throw Error({file, "/layers", "layers over a fitted or homogeneous material",
                  fmt::format("them over the table '{}'", scene.material_name)});
   for (std::size_t i = 0; i < scene.layers.size(); ++i)
-    check_layer(scene, scene.layers[i], file, fmt::format("/layers/{}", i));
+    check_layer(scene.layers[i], std::get<Material>(scene.material), scene.material_name,
+                scene.mesh, file, fmt::format("/layers/{}", i));
+}
+
+void check_layer(const SurfaceLayer& layer, const Material& below, const std::string& below_name,
+                 const TriangleMesh& mesh, const std::string& file, const std::string& place) {
+  const auto of = [](const std::string& name) { return name.empty() ? "" : " of '" + name + "'"; };
+  const auto name = [](Boundary boundary) {
+    return boundary == Boundary::included ? "included" : "excluded";
+  };
+  const Boundary base = boundary_of(below), own = boundary_of(*layer.material);
+  const double base_eta = eta_of(below), own_eta = eta_of(*layer.material);
+  if (base != own)
+    throw Error({file, place + "/material",
+                 fmt::format("the boundary '{}'{}, which lies below", name(base), of(below_name)),
+                 fmt::format("'{}'{}", name(own), of(layer.material_name))});
+  if (base_eta != own_eta)
+    throw Error({file, place + "/material",
+                 fmt::format("the eta {}{}, which lies below", base_eta, of(below_name)),
+                 fmt::format("{}{}", own_eta, of(layer.material_name))});
+  if (layer.mapping.kind == MappingKind::uv && mesh.texcoords.empty())
+    throw Error({file, place + "/mapping",
+                 "a mesh with texture coordinates, as the mapping is 'uv'", "none"});
+  auto& plain = const_cast<SurfaceLayer&>(layer);  // checks only read
+  check(describe(plain));
+  check(describe(plain.mapping));
+  check(layer.mask, mesh, file, place + "/mask");
+}
+
+void for_each_file(Scene& scene, const std::function<void(std::string& path)>& visit) {
+  const auto visit_named = [&](std::string& path) {
+    if (!path.empty()) visit(path);
+  };
+  visit_named(scene.mesh_source.file);
+  visit_named(scene.material_file);
+  for (SurfaceLayer& layer : scene.layers) {
+    visit_named(layer.material_file);
+    visit_masks(layer.mask, visit);
+  }
+  for (Light& light : scene.lights)
+    if (auto* environment = std::get_if<EnvironmentLight>(&light)) visit_named(environment->file);
 }
 
 }  // namespace parian

@@ -1,6 +1,8 @@
 // What is in a picture: plain structs, made by read_scene or by code.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -26,13 +28,17 @@ struct Camera {
 };
 inline constexpr int max_picture_side = 16384;
 
+// Lights that are not `enabled` belong to a description and light nothing: read_scene leaves them
+// out unless asked for them, and renderers take all that a scene has.
 struct DirectionalLight {
   Vec3 direction{0, 1, 0};  // unit, towards the light
   Rgb irradiance{1, 1, 1};  // W/m^2 on a plane that faces it
+  bool enabled = true;
 };
 struct PointLight {
   Vec3 position;           // mm
   Rgb intensity{1, 1, 1};  // W/sr with lengths in mm: irradiance = intensity / distance^2
+  bool enabled = true;
 };
 // Radiance from all around: a latitude-longitude image, row 0 = +y, the middle column = -z, columns
 // grow towards +x as seen from inside; turned by rotation_deg about +y.
@@ -40,6 +46,8 @@ struct EnvironmentLight {
   Image image;  // 3 channels, linear
   double rotation_deg = 0;
   Rgb scale{1, 1, 1};
+  bool enabled = true;
+  std::string file, sky;  // where the image is from, as descriptions say it: one of them
 };
 using Light = std::variant<DirectionalLight, PointLight, EnvironmentLight>;
 
@@ -75,14 +83,16 @@ double eta_of(const SurfaceMaterial& material);
 // mask m the layer takes over m opacity albedo of the albedo, and so on (SubEdit, section 7.1).
 // Each point of the surface has one profile, so R_d stays symmetric.
 struct SurfaceLayer {
-  Material material;
+  std::shared_ptr<const Material> material;
   std::string material_name;
+  std::string material_file;  // empty: its coefficients are in the description
   Mapping mapping;
   SurfaceMask mask;
   double opacity = 1;
   double albedo = 1;
   double range = 1;
   double shape = 1;
+  bool enabled = true;  // as for lights
 };
 inline constexpr std::size_t max_layers = 16;
 
@@ -92,11 +102,20 @@ ParamList describe(Mapping& mapping);
 ParamList describe(Specular& specular);
 ParamList describe(SurfaceLayer& layer);
 
+// Where a mesh is from and how it was placed, as descriptions say it.
+struct MeshSource {
+  std::string file, shape;  // one of them
+  double size_mm = 0;
+  Vec3 rotation_deg;
+};
+
 struct Scene {
   TriangleMesh mesh;      // clean (clean_mesh), in mm, at its place
   std::string mesh_name;  // how errors name it
+  MeshSource mesh_source;
   SurfaceMaterial material;
   std::string material_name;
+  std::string material_file;  // empty: its coefficients are in the description
   Mapping mapping;
   std::vector<SurfaceLayer> layers;  // over the material, bottom up
   Specular specular;
@@ -113,5 +132,11 @@ struct Scene {
 // another boundary or eta than the material's, or with masks and mappings that the mesh cannot
 // carry.
 void check_layers(const Scene& scene, const std::string& file);
+// The same of one layer over a material of this name.
+void check_layer(const SurfaceLayer& layer, const Material& below, const std::string& below_name,
+                 const TriangleMesh& mesh, const std::string& file, const std::string& place);
+
+// Calls with each path of a file that the scene's description names.
+void for_each_file(Scene& scene, const std::function<void(std::string& path)>& visit);
 
 }  // namespace parian

@@ -17,10 +17,12 @@ namespace parian {
 // Painted: one weight per vertex of the file that the mesh is from (TriangleMesh::source).
 struct VertexMask {
   std::vector<float> weights;
+  std::string file = {};  // that they are from, as descriptions say it
 };
 // An image of one channel at the texture coordinates, bilinear; repeats beyond [0, 1].
 struct TextureMask {
   Image image;
+  std::string file = {};
 };
 // A rectangle, or an image of that size, cast through the object along a direction.
 struct ProjectedMask {
@@ -33,6 +35,7 @@ struct ProjectedMask {
   double feather_mm = 0;
   bool facing = true;  // only on faces that look against the direction, smoothly over the last 15
                        // degrees
+  std::string file = {};
 };
 // 0 at and before the one point, 1 at and beyond the other.
 struct GradientMask {

@@ -52,7 +52,7 @@ std::vector<FieldLayer> find_layers(const Scene& scene, std::size_t count, const
     layers[l] = {
         {layer.opacity * layer.albedo, layer.opacity * layer.range, layer.opacity * layer.shape},
         std::vector<float>(count, 1),
-        &layer.material,
+        layer.material.get(),
         &layer.mapping};
   }
   parallel_for_blocks(count, block, [&](std::size_t begin, std::size_t end) {

@@ -74,10 +74,10 @@ TEST(Splat, LayersOverAMap) {
   ProfileMap pale = make_chequered_map();
   for (float& value : pale.log_profile) value = 0.8f * value - 0.7f;
   SurfaceLayer gradient;
-  gradient.material = pale;
+  gradient.material = std::make_shared<const Material>(pale);
   gradient.mask = {{GradientMask{{-15, 0, 0}, {15, 0, 0}}}};
   SurfaceLayer ball;
-  ball.material = make_mixed_blend();
+  ball.material = std::make_shared<const Material>(make_mixed_blend());
   ball.mask = {{SphereMask{center(bounds(scene.mesh)) + Vec3{12, 0, 8}, 12, 2}}};
   ball.range = ball.shape = 0;
   scene.layers = {gradient, ball};
@@ -87,7 +87,7 @@ TEST(Splat, LayersOverAMap) {
 TEST(Splat, LayersFollowMaterialAndCamera) {
   Scene scene = make_scene(make_knot(1), Material(make_chequered_map()), {make_sun({1, 2, 1})});
   SurfaceLayer layer;
-  layer.material = make_mixed_blend();
+  layer.material = std::make_shared<const Material>(make_mixed_blend());
   layer.mask = {{GradientMask{{-15, 0, 0}, {15, 0, 0}}}};
   scene.layers = {layer};
   SplatParams params = make_params();
@@ -111,6 +111,17 @@ TEST(Splat, LayersFollowMaterialAndCamera) {
   renderer.set_material(std::get<Material>(scene.material));
   renderer.draw();
   EXPECT_EQ(renderer.read().values, first.values);
+  // Without layers and with others.
+  for (const double opacity : {0.0, 0.5}) {
+    other = scene;
+    other.layers[0].opacity = opacity;
+    if (opacity == 0) other.layers.clear();
+    renderer.set_material(std::get<Material>(other.material), other.layers);
+    renderer.draw();
+    SplatRenderer changed(context.limits(), other, params);
+    changed.draw();
+    EXPECT_EQ(renderer.read().values, changed.read().values) << opacity;
+  }
 }
 
 // So near that splats cover more than the largest points, and some lie around the camera.

@@ -15,7 +15,6 @@
 #include "io/json/json.h"
 #include "io/mesh/mesh_file.h"
 #include "render/render.h"
-#include "scene/read_scene.h"
 #include "transport/gather_table.h"
 
 namespace parian {
@@ -79,6 +78,10 @@ Surface open_surface(const std::string& path, const TableHeader* like) {
 }
 
 LoadedScene load_scene(const std::string& path) {
+  return load_scene(load_document(path), path, Disabled::drop);
+}
+
+LoadedScene load_scene(const Document& document, const std::string& path, Disabled disabled) {
   LoadedScene loaded;
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   const auto resolve = [&](const std::string& name) {
@@ -92,7 +95,7 @@ LoadedScene load_scene(const std::string& path) {
   loaders.load_image = [&](const std::string& name) { return load_image(resolve(name)); };
   loaders.load_material = [&](const std::string& name) { return load_material(resolve(name)); };
   loaders.load_document = [&](const std::string& name) { return load_document(resolve(name)); };
-  loaded.scene = read_scene(load_document(path), loaders);
+  loaded.scene = read_scene(document, loaders, disabled);
   return loaded;
 }
 

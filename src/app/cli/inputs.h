@@ -8,7 +8,7 @@
 #include "edit/recipe.h"
 #include "judge/plot.h"
 #include "material/material.h"
-#include "scene/scene.h"
+#include "scene/read_scene.h"
 
 namespace parian {
 
@@ -33,6 +33,8 @@ struct LoadedScene {
   std::vector<std::string> files;  // the description and all it refers to
 };
 LoadedScene load_scene(const std::string& path);
+// The same of a description that was read before; `path` is where it is from.
+LoadedScene load_scene(const Document& document, const std::string& path, Disabled disabled);
 
 // Maps (or blends as maps), images and tables by paths relative to a recipe's folder.
 RecipeLoaders make_recipe_loaders(const std::string& folder);

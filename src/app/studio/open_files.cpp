@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <utility>
 
 #include "app/cli/inputs.h"
+#include "app/studio/scene_file.h"
+#include "app/studio/stage_layers.h"
 #include "app/studio/tools.h"
 #include "base/error.h"
 #include "fit/fit.h"
@@ -23,7 +24,6 @@ namespace parian {
 namespace {
 
 constexpr double mesh_size_mm = 60;
-constexpr double radian_deg = 57.29577951308232;
 constexpr Rgb background{0.02f, 0.02f, 0.025f};
 
 std::string file_name(const std::string& path) {
@@ -65,7 +65,8 @@ void open_map_file(Studio& studio, const std::string& path, bool is_blend) {
 
 void open_mesh_file(Studio& studio, const std::string& path) {
   studio.jobs.start(opening(path), [&studio, path](const Progress&) -> Jobs::Finish {
-    auto stage = make_plain_stage(load_mesh(path), path);
+    auto stage =
+        make_plain_stage(load_mesh(path), {.file = std::filesystem::absolute(path).string()});
     return [&studio, path, stage] {
       show_stage(studio, stage, path);
       remember(studio, path);
@@ -75,83 +76,49 @@ void open_mesh_file(Studio& studio, const std::string& path) {
   });
 }
 
+// In place of the environment that dragging would turn, as strong and as it was turned.
+void put_environment(Studio& studio, const StageLight& light) {
+  const std::size_t place = find_light(studio.lighting, studio.selected_light, true);
+  if (place < studio.lighting.size())
+    studio.lighting[place].sky = light.sky;
+  else
+    studio.lighting.push_back(light);
+  touch_view(studio);
+}
+
 // EXR and Radiance HDR are environments; PNG and JPEG are photographs to hallucinate from.
 void open_image_file(Studio& studio, const std::string& path) {
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension != ".exr" && extension != ".hdr") return hallucinate(studio, path);
   studio.jobs.start(opening(path), [&studio, path](const Progress&) -> Jobs::Finish {
-    auto image = std::make_shared<const Image>(make_environment_image(load_image(path), path));
-    return [&studio, path, image] {
-      studio.lighting.image = image;
-      touch_view(studio);
+    const StageLight light =
+        take_light(EnvironmentLight{.image = make_environment_image(load_image(path), path),
+                                    .file = std::filesystem::absolute(path).string()});
+    return [&studio, path, light] {
+      put_environment(studio, light);
       remember(studio, path);
       report(studio, "lit by " + file_name(path));
     };
   });
 }
 
-// The lamp and the environment of a scene; of several the last.
-Lighting read_lighting(const std::vector<Light>& lights) {
-  Lighting lighting;
-  lighting.lamp = lighting.environment = 0;
-  for (const Light& light : lights)
-    if (const auto* sky = std::get_if<EnvironmentLight>(&light)) {
-      lighting.image = std::make_shared<const Image>(sky->image);
-      lighting.environment = static_cast<double>(sky->scale.y);
-      lighting.rotation_deg = sky->rotation_deg;
-    } else if (const auto* sun = std::get_if<DirectionalLight>(&light)) {
-      lighting.lamp = static_cast<double>(sun->irradiance.y);
-      lighting.elevation_deg = radian_deg * std::asin(static_cast<double>(sun->direction.y));
-      lighting.azimuth_deg = radian_deg * std::atan2(static_cast<double>(sun->direction.x),
-                                                     static_cast<double>(sun->direction.z));
-    }
-  return lighting;
+void open_scene_file(Studio& studio, const std::string& path, const Document& description) {
+  studio.jobs.start(
+      opening(path), [&studio, path, description](const Progress& progress) -> Jobs::Finish {
+        auto opened = std::make_shared<OpenedScene>(open_scene(description, path, progress));
+        return [&studio, path, opened] {
+          show_scene(studio, *opened);
+          remember(studio, path);
+          report(studio, "opened " + file_name(path));
+        };
+      });
 }
 
-HomogeneousControls read_controls(const Dipole& dipole) {
-  HomogeneousControls controls{.eta = dipole.eta, .single_scattering = dipole.single_scattering};
-  for (std::size_t c = 0; c < 3; ++c) {
-    const auto& medium = dipole.channels[std::min(c, dipole.channels.size() - 1)];
-    controls.sigma_a[c] = medium.sigma_a;
-    controls.sigma_s_prime[c] = medium.sigma_s_prime;
-    controls.g[c] = medium.g;
-  }
-  return controls;
-}
-
-void show_material(Studio& studio, const Material& material, const std::string& path) {
-  if (const auto* map = std::get_if<ProfileMap>(&material))
-    show_map(studio, *map, path);
-  else if (const auto* blend = std::get_if<ProfileBlend>(&material))
-    show_map(studio, make_profile_map(*blend), path);
-  else
-    set_homogeneous(studio, read_controls(std::get<Dipole>(material)));
-}
-
-void open_scene_file(Studio& studio, const std::string& path) {
-  studio.jobs.start(opening(path), [&studio, path](const Progress& progress) -> Jobs::Finish {
-    LoadedScene loaded = load_scene(path);
-    const Lighting lighting = read_lighting(loaded.scene.lights);
-    const Orbit orbit = make_orbit(loaded.scene.camera);
-    const double exposure = loaded.scene.exposure;
-    // A table is fitted: the stage shows materials.
-    auto material = std::make_shared<SurfaceMaterial>(loaded.scene.material);
-    if (const auto* table = std::get_if<BssrdfTable>(material.get()))
-      *material = Material(fit_profiles(*make_slices(*table), {}, progress).map);
-    const bool has_layers = !loaded.scene.layers.empty();
-    auto stage = make_stage(std::move(loaded.scene));
-    return [=, &studio] {
-      show_stage(studio, stage, path);
-      studio.orbit = orbit;
-      studio.lighting = lighting;
-      studio.exposure = exposure;
-      show_material(studio, std::get<Material>(*material), path);
-      remember(studio, path);
-      report(studio, has_layers
-                         ? "opened " + file_name(path) + "; its layers on the surface are not shown"
-                         : "opened " + file_name(path));
-    };
-  });
+Material load_map_or_blend(const std::string& path) {
+  const FileKind kind = find_file_kind(path);
+  if (kind == FileKind::table)
+    throw Error({path, {}, "a map or a blend (open the table, then export its map)", "a table"});
+  return kind == FileKind::blend ? Material(load_blend(path)) : Material(load_profile_map(path));
 }
 
 // A recipe that cannot be applied leaves the present one as it is.
@@ -178,17 +145,19 @@ void open_recipe(Studio& studio, const std::string& path, const Document& docume
 void open_json(Studio& studio, const std::string& path) {
   const Document document = load_document(path);
   if (find(document, "layers") == nullptr || find(document, "mesh") != nullptr)
-    return open_scene_file(studio, path);
+    return open_scene_file(studio, path, document);
   open_recipe(studio, path, document);
 }
 
 }  // namespace
 
-std::shared_ptr<const Stage> make_plain_stage(TriangleMesh mesh, const std::string& name) {
+std::shared_ptr<const Stage> make_plain_stage(TriangleMesh mesh, MeshSource source) {
   Scene scene;
   scene.mesh = std::move(mesh);
-  fit_to_size(scene.mesh, mesh_size_mm);
-  scene.mesh_name = name;
+  source.size_mm = mesh_size_mm;
+  fit_to_size(scene.mesh, source.size_mm);
+  scene.mesh_name = source.file.empty() ? source.shape : source.file;
+  scene.mesh_source = std::move(source);
   scene.background = background;
   return make_stage(std::move(scene));
 }
@@ -198,7 +167,7 @@ void show_map(Studio& studio, const ProfileMap& map, const std::string& path,
   studio.editor = std::make_unique<Editor>(map, make_loaders(studio.recipe_path));
   studio.snapshot = studio.editor->snapshot();
   studio.seen_version = 0;
-  studio.saved_version = studio.autosaved_version = studio.snapshot->version;
+  studio.saved_version = studio.snapshot->version;
   studio.original = std::make_shared<const Material>(map);
   studio.table = std::move(table);
   studio.material_path = path;
@@ -233,22 +202,34 @@ void show_recipe(Studio& studio, const std::string& path, const Document& recipe
   // As it is in its file, once it is evaluated.
   studio.saved_version = studio.editor->snapshot()->version + 1;
   studio.editor->post(label, set_whole_recipe(recipe));
-  studio.seen_version = studio.autosaved_version = 0;
+  studio.seen_version = 0;
   studio.selected_layer.reset();
   studio.scene_history = {};
   touch_map(studio);
 }
 
+void open_layer(Studio& studio, const std::string& path) {
+  const std::string whole = std::filesystem::absolute(path).string();
+  studio.jobs.start(opening(path), [&studio, whole](const Progress&) -> Jobs::Finish {
+    SurfaceLayer layer{.material = std::make_shared<const Material>(load_map_or_blend(whole)),
+                       .material_name = file_name(whole),
+                       .material_file = whole};
+    return [&studio, layer] {
+      add_stage_layer(studio, layer);
+      report(studio, layer.material_name + " lies on the surface now");
+    };
+  });
+}
+
 void open_second(Studio& studio, const std::string& path) {
   const std::string whole = std::filesystem::absolute(path).string();
   studio.jobs.start(opening(path), [&studio, whole](const Progress&) -> Jobs::Finish {
-    const FileKind kind = find_file_kind(whole);
-    if (kind == FileKind::table)
-      throw Error({whole, {}, "a map or a blend (open the table, then export its map)", "a table"});
     auto second = std::make_shared<SecondMaterial>();
     second->path = whole;
+    const Material material = load_map_or_blend(whole);
+    const auto* blend = std::get_if<ProfileBlend>(&material);
     auto map = std::make_shared<ProfileMap>(
-        kind == FileKind::blend ? make_profile_map(load_blend(whole)) : load_profile_map(whole));
+        blend != nullptr ? make_profile_map(*blend) : std::get<ProfileMap>(material));
     second->state = make_edit_state(*map);
     second->map = std::move(map);
     return [&studio, second] {

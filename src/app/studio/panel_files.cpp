@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/studio/scene_file.h"
 #include "app/studio/studio_files.h"
 #include "app/studio/ui.h"
 
@@ -17,10 +18,14 @@ const char* action_name(FileDialog::Action action) {
       return "Open";
     case FileDialog::Action::open_second:
       return "Open second material";
+    case FileDialog::Action::open_layer:
+      return "Material over this one";
     case FileDialog::Action::open_photograph:
       return "Material from photograph";
     case FileDialog::Action::save_recipe:
       return "Save recipe";
+    case FileDialog::Action::save_scene:
+      return "Save scene";
     case FileDialog::Action::save_map:
       return "Export map";
     case FileDialog::Action::save_picture:
@@ -43,8 +48,12 @@ void finish_dialog(Ui& ui) {
       return open_file(studio, path);
     case FileDialog::Action::open_second:
       return open_second(studio, path);
+    case FileDialog::Action::open_layer:
+      return open_layer(studio, path);
     case FileDialog::Action::save_recipe:
       return save_recipe(studio, path);
+    case FileDialog::Action::save_scene:
+      return save_scene(studio, path);
     case FileDialog::Action::save_map:
       return save_map(studio, path);
     case FileDialog::Action::save_picture:
@@ -165,7 +174,7 @@ Answer ask(Ui& ui, const char* name, const char* question, const char* yes, cons
 
 void draw_recovery(Ui& ui) {
   if (!ui.studio.recoverable) return;
-  switch (ask(ui, "recover", "The last run ended without saving its recipe.", "Take it up again",
+  switch (ask(ui, "recover", "The last run ended without saving its work.", "Take it up again",
               "Throw it away")) {
     case Answer::yes:
       return recover(ui.studio);

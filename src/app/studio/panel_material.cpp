@@ -1,9 +1,8 @@
-// Homogeneous materials and the light.
+// Homogeneous materials.
 #include <fmt/format.h>
 #include <imgui.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 
 #include "app/studio/ui.h"
@@ -12,20 +11,21 @@ namespace parian {
 namespace {
 
 // A slider for a channel, tinted by it.
-bool draw_channels(Ui& ui, const char* label, std::array<double, 3>& values, double low,
-                   double high, const char* format, bool is_logarithmic) {
+bool draw_channels(Ui& ui, const char* label, Dipole& material, double DipoleCoefficients::*value,
+                   double low, double high, const char* format, bool is_logarithmic) {
   static constexpr const char* channels[] = {"r", "g", "b"};
   static constexpr ImU32 colors[] = {IM_COL32(225, 110, 95, 255), IM_COL32(110, 200, 110, 255),
                                      IM_COL32(115, 150, 235, 255)};
   bool changed = false;
   ImGui::TextDisabled("%s", label);
   ImGui::PushID(label);
-  for (std::size_t c = 0; c < 3; ++c) {
+  for (std::size_t c = 0; c < material.channels.size(); ++c) {
     ImGui::PushStyleColor(ImGuiCol_SliderGrab, colors[c]);
     ImGui::SetNextItemWidth(
         std::max(40.0f, ImGui::GetContentRegionAvail().x - 1.5f * ImGui::GetFontSize()));
-    changed |= ImGui::SliderScalar(channels[c], ImGuiDataType_Double, &values[c], &low, &high,
-                                   format, is_logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+    changed |= ImGui::SliderScalar(channels[c], ImGuiDataType_Double,
+                                   &(material.channels[c].*value), &low, &high, format,
+                                   is_logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
     ImGui::PopStyleColor();
     mark(ui.probe, fmt::format("{}/{}", label, channels[c]));
   }
@@ -33,7 +33,7 @@ bool draw_channels(Ui& ui, const char* label, std::array<double, 3>& values, dou
   return changed;
 }
 
-bool draw_named(Ui& ui, HomogeneousControls& controls) {
+bool draw_named(Ui& ui, Dipole& material) {
   bool changed = false;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
   const bool open = ImGui::BeginCombo("##measured", "take over a measured material");
@@ -41,12 +41,8 @@ bool draw_named(Ui& ui, HomogeneousControls& controls) {
   if (!open) return false;
   for (const NamedMaterial& named : named_materials()) {
     if (ImGui::Selectable(named.name.c_str())) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        controls.sigma_a[c] = named.channels[c].sigma_a;
-        controls.sigma_s_prime[c] = named.channels[c].sigma_s_prime;
-        controls.g[c] = named.channels[c].g;
-      }
-      controls.eta = named.eta;
+      material.channels.assign(named.channels.begin(), named.channels.end());
+      material.eta = named.eta;
       changed = true;
     }
     mark(ui.probe, "measured/" + named.name);
@@ -70,6 +66,30 @@ void draw_map_facts(const Studio& studio) {
   ImGui::TextWrapped("%s", std::filesystem::path(studio.second->path).filename().c_str());
 }
 
+// Slabs have none.
+bool draw_single_scattering(Ui& ui, Dipole& material) {
+  if (material.thickness_mm > 0) return false;
+  bool changed = ImGui::Checkbox("single scattering", &material.single_scattering);
+  mark(ui.probe, "single scattering");
+  explain("light that scatters once: sharper and glossier; with precomputed transport and refined");
+  if (material.single_scattering)
+    changed |= draw_channels(ui, "mean cosine g", material, &DipoleCoefficients::g, -0.9, 0.95,
+                             "%.2f", false);
+  return changed;
+}
+
+// What a scene has given it and no slider shows.
+void draw_kept(const Dipole& material) {
+  static constexpr const char* models[] = {"classic", "better", "normalized"};
+  if (material.model != DiffusionModel::classic)
+    ImGui::TextDisabled("%s diffusion", models[static_cast<std::size_t>(material.model)]);
+  if (material.thickness_mm > 0)
+    ImGui::TextDisabled("%zu slabs, the first of %.3g mm", material.below.size() + 1,
+                        material.thickness_mm);
+  if (!material.reflectance_gain.empty() || !material.attenuation_gain.empty())
+    ImGui::TextDisabled("with curves edited by hand");
+}
+
 // What the precomputed transport is doing, and whether it may.
 void draw_transport(Ui& ui) {
   Studio& studio = ui.studio;
@@ -80,6 +100,8 @@ void draw_transport(Ui& ui) {
       "computed once for this mesh and light, in the background; each edit is then one pass over "
       "the vertices, with single scattering");
   if (!studio.use_transport) return ImGui::TextDisabled("edits are splatted");
+  if (!shown_layers(studio).empty())
+    return ImGui::TextWrapped("Not under the layers of the surface: edits are splatted.");
   if (studio.picture != nullptr && studio.picture->is_live && !studio.is_stale) {
     const LiveReport& live = studio.picture->live;
     ImGui::TextDisabled("%zu vertices, an update takes %.1f ms", live.vertices,
@@ -104,46 +126,21 @@ void draw_material(Ui& ui) {
   mark(ui.probe, "homogeneous");
   explain("one material all over, by its coefficients, in place of the map");
   if (!studio.is_homogeneous) return draw_map_facts(studio);
-  HomogeneousControls controls = studio.homogeneous;
-  bool changed = draw_named(ui, controls);
-  changed |= draw_channels(ui, "absorption, 1/mm", controls.sigma_a, 1e-4, 10, "%.4f", true);
-  changed |=
-      draw_channels(ui, "reduced scattering, 1/mm", controls.sigma_s_prime, 0.05, 20, "%.3f", true);
-  changed |= ImGui::Checkbox("single scattering", &controls.single_scattering);
-  mark(ui.probe, "single scattering");
-  explain("light that scatters once: sharper and glossier; with precomputed transport and refined");
-  if (controls.single_scattering)
-    changed |= draw_channels(ui, "mean cosine g", controls.g, -0.9, 0.95, "%.2f", false);
+  Dipole material = studio.homogeneous;
+  bool changed = draw_named(ui, material);
+  changed |= draw_channels(ui, "absorption, 1/mm", material, &DipoleCoefficients::sigma_a, 1e-4, 10,
+                           "%.4f", true);
+  changed |= draw_channels(ui, "reduced scattering, 1/mm", material,
+                           &DipoleCoefficients::sigma_s_prime, 0.05, 20, "%.3f", true);
+  changed |= draw_single_scattering(ui, material);
   const double low = 1, high = 2;
   ImGui::TextDisabled("refractive index");
   ImGui::SetNextItemWidth(
       std::max(40.0f, ImGui::GetContentRegionAvail().x - 1.5f * ImGui::GetFontSize()));
-  changed |= ImGui::SliderScalar("##eta", ImGuiDataType_Double, &controls.eta, &low, &high, "%.3f");
-  if (changed) set_homogeneous(studio, controls);
+  changed |= ImGui::SliderScalar("##eta", ImGuiDataType_Double, &material.eta, &low, &high, "%.3f");
+  draw_kept(material);
+  if (changed) set_homogeneous(studio, material);
   draw_transport(ui);
-}
-
-void draw_light(Ui& ui) {
-  Studio& studio = ui.studio;
-  Lighting lighting = studio.lighting;
-  const auto slider = [&](const char* label, double& value, double low, double high,
-                          const char* format) {
-    ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &low, &high, format);
-    mark(ui.probe, std::string("light/") + label);
-  };
-  ImGui::TextDisabled("lamp (right mouse button)");
-  slider("strength", lighting.lamp, 0, 10, "%.2f");
-  slider("azimuth", lighting.azimuth_deg, -180, 180, "%.0f°");
-  slider("elevation", lighting.elevation_deg, -89, 89, "%.0f°");
-  ImGui::Spacing();
-  ImGui::TextDisabled("environment (Ctrl and right mouse button)");
-  slider("factor", lighting.environment, 0, 4, "%.2f");
-  slider("rotation", lighting.rotation_deg, -180, 180, "%.0f°");
-  ImGui::Spacing();
-  ImGui::TextWrapped("Open or drop an EXR or HDR file for another environment.");
-  if (lighting == studio.lighting) return;
-  studio.lighting = lighting;
-  touch_view(studio);
 }
 
 }  // namespace parian

@@ -35,7 +35,7 @@ constexpr Shortcut mouse[] = {
     {"drag", "with the orbit tool: turn the object"},
     {"middle button", "pan"},
     {"wheel", "zoom"},
-    {"right button", "turn the lamp, with any tool"},
+    {"right button", "turn the chosen lamp, with any tool"},
     {"Ctrl and right button", "turn the environment"},
     {"Ctrl and click", "on a number: type it"},
     {"borders of panels", "drag them"},
@@ -82,6 +82,10 @@ void draw_save_items(Ui& ui) {
   if (ImGui::MenuItem("Save recipe as…", "Ctrl+Shift+S", false, has_map))
     start_dialog(ui, Action::save_recipe, "recipe.json");
   mark(ui.probe, "menu/save recipe as");
+  if (ImGui::MenuItem("Save scene as…", nullptr, false, ui.studio.stage != nullptr))
+    start_dialog(ui, Action::save_scene, "scene.json");
+  mark(ui.probe, "menu/save scene as");
+  explain("mesh, material, layers, lights and camera, as `parian render` takes them");
   if (ImGui::MenuItem("Export map…", nullptr, false, has_map))
     start_dialog(ui, Action::save_map, "map.h5");
   mark(ui.probe, "menu/export map");

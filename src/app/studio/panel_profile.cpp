@@ -185,20 +185,19 @@ void draw_homogeneous(const Studio& studio) {
   ImGui::TextDisabled("diffuse reflectance R_d(r) of the three channels");
   const ImVec2 corner = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
   if (room.x < 20 || room.y < 20) return;
-  const HomogeneousControls& controls = studio.homogeneous;
+  const Dipole& material = studio.homogeneous;
   Axes axes{{corner.x, corner.y}, {corner.x + room.x, corner.y + room.y}};
   const auto log_R_d = [&](std::size_t c, double r) {
-    const double value =
-        eval_dipole({controls.sigma_a[c], controls.sigma_s_prime[c], 0}, controls.eta, r);
+    const double value = eval_dipole(material.channels[c], material.eta, r);
     return std::log(std::max(value, 1e-300));
   };
   axes.top = -1e9;
   for (std::size_t c = 0; c < 3; ++c) {
     // To where the slowest channel has fallen by the height of the plot.
     axes.top = std::max(axes.top, log_R_d(c, 0) + 0.5);
-    const double sigma_t_prime = controls.sigma_a[c] + controls.sigma_s_prime[c];
-    axes.max_r =
-        std::max(axes.max_r, 6 / std::sqrt(3 * controls.sigma_a[c] * sigma_t_prime + 0.05));
+    const double sigma_a = material.channels[c].sigma_a;
+    const double sigma_t_prime = sigma_a + material.channels[c].sigma_s_prime;
+    axes.max_r = std::max(axes.max_r, 6 / std::sqrt(3 * sigma_a * sigma_t_prime + 0.05));
   }
   ImGui::PushClipRect(axes.low, axes.high, true);
   draw_grid(axes);

@@ -32,14 +32,10 @@ bool is_drawing_tool(Tool tool) {
 
 void drag_light(Studio& studio, ImVec2 delta, bool environment) {
   const double scale = 180.0 / std::max(1, studio.view_height);
-  const double dx = static_cast<double>(delta.x) * scale;
-  if (environment) {
-    studio.lighting.rotation_deg = std::remainder(studio.lighting.rotation_deg + dx, 360.0);
-  } else {
-    studio.lighting.azimuth_deg = std::remainder(studio.lighting.azimuth_deg + dx, 360.0);
-    studio.lighting.elevation_deg = std::clamp(
-        studio.lighting.elevation_deg - static_cast<double>(delta.y) * scale, -89.0, 89.0);
-  }
+  const std::size_t turned = find_light(studio.lighting, studio.selected_light, environment);
+  if (turned == studio.lighting.size() || studio.stage == nullptr) return;
+  turn_light(studio.lighting[turned], static_cast<double>(delta.x) * scale,
+             -static_cast<double>(delta.y) * scale, center(studio.stage->box));
   touch_view(studio);
 }
 
@@ -116,25 +112,32 @@ void draw_brush(const Ui& ui) {
   if (ImGui::IsItemHovered()) list->AddCircle(ImGui::GetIO().MousePos, radius, color, 24, 1.5f);
 }
 
-// Where the lamp is, seen from the eye: a ball lit from there, hollow when it comes from behind.
-void draw_lamp(const Studio& studio, ImVec2 origin, ImVec2 size) {
-  const std::vector<Light> lights = make_lights(studio.lighting);
-  const auto* lamp = lights.empty() ? nullptr : std::get_if<DirectionalLight>(&lights.back());
-  if (lamp == nullptr) return;
+// Where the lamps are, seen from the eye: balls lit from there, hollow where they come from behind;
+// the one that dragging turns is large.
+void draw_lamps(const Studio& studio, ImVec2 origin, ImVec2 size) {
   const CameraFrame frame = make_camera_frame(make_camera(studio.orbit, 64, 64));
   const float em = ImGui::GetFontSize(), radius = 1.3f * em;
-  if (size.x < 6 * em || size.y < 6 * em) return;
-  const ImVec2 center{origin.x + size.x - 2 * em, origin.y + size.y - 2 * em};
-  const float right = dot(lamp->direction, frame.right), up = dot(lamp->direction, frame.up);
-  const bool is_behind = dot(lamp->direction, frame.forward) > 0;
-  const ImVec2 spot{center.x + right * radius, center.y - up * radius};
+  if (size.x < 6 * em || size.y < 6 * em || studio.stage == nullptr) return;
+  const std::size_t turned = find_light(studio.lighting, studio.selected_light, false);
+  const ImVec2 middle{origin.x + size.x - 2 * em, origin.y + size.y - 2 * em};
   ImDrawList* list = ImGui::GetWindowDrawList();
-  list->AddCircle(center, radius, faint_color, 24, 1);
-  list->AddLine(center, spot, faint_color, 1);
-  if (is_behind)
-    list->AddCircle(spot, 0.3f * em, positive_color, 12, 1.5f);
-  else
-    list->AddCircleFilled(spot, 0.34f * em, positive_color, 12);
+  bool has_lamps = false;
+  for (std::size_t i = 0; i < studio.lighting.size(); ++i) {
+    const StageLight& light = studio.lighting[i];
+    if (!light.enabled || light.kind == LightKind::environment) continue;
+    const Vec3 towards = direction_to(light, center(studio.stage->box));
+    const float right = dot(towards, frame.right), up = dot(towards, frame.up);
+    const ImVec2 spot{middle.x + right * radius, middle.y - up * radius};
+    const ImU32 color = i == turned ? positive_color : faint_color;
+    const float ball = (i == turned ? 0.34f : 0.22f) * em;
+    if (!has_lamps) list->AddCircle(middle, radius, faint_color, 24, 1);
+    has_lamps = true;
+    list->AddLine(middle, spot, faint_color, 1);
+    if (dot(towards, frame.forward) > 0)
+      list->AddCircle(spot, ball, color, 12, 1.5f);
+    else
+      list->AddCircleFilled(spot, ball, color, 12);
+  }
 }
 
 void draw_view_options(Ui& ui) {
@@ -189,7 +192,7 @@ void draw_view(Ui& ui) {
   if (ui.view.width() > 0)
     list->AddImage(ui.view.id(), origin, {origin.x + size.x, origin.y + size.y});
   draw_brush(ui);
-  draw_lamp(studio, origin, size);
+  draw_lamps(studio, origin, size);
   list->PopClipRect();
 }
 

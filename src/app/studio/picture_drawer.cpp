@@ -18,6 +18,7 @@ constexpr int fine_samples = 16000;    // where light enters, at rest
 struct Splatter {
   std::shared_ptr<const Stage> stage;
   std::shared_ptr<const Material> material;
+  StageLayers layers;
   Lighting lighting;
   Camera camera;
   std::unique_ptr<SplatRenderer> renderer;
@@ -53,17 +54,23 @@ Image splat(Splatter& splatter, const GlLimits& limits, const PictureRequest& re
   if (splatter.renderer == nullptr || splatter.stage != request.stage) {
     splatter.renderer.reset();
     splatter.renderer = std::make_unique<SplatRenderer>(
-        limits, make_scene(*request.stage, *material, request.lighting, request.camera),
+        limits, make_scene(*request.stage, *material, request.layers, request.lighting, request.camera),
         splat_params(request.fine), progress);
     splatter.stage = request.stage;
   } else {
-    if (splatter.material != material) splatter.renderer->set_material(*material);
+    if (splatter.layers != request.layers)
+      splatter.renderer->set_material(*material, copy_layers(request.layers));
+    else if (splatter.material != material)
+      splatter.renderer->set_material(*material);
+    splatter.material = material;
+    splatter.layers = request.layers;
     if (!(splatter.lighting == request.lighting))
       splatter.renderer->set_lights(make_lights(request.lighting), progress);
     if (!(splatter.camera == request.camera)) splatter.renderer->set_camera(request.camera);
   }
   splatter.camera = request.camera;
   splatter.material = material;
+  splatter.layers = request.layers;
   splatter.lighting = request.lighting;
   splatter.renderer->draw(true, progress);
   return splatter.renderer->read();
@@ -88,7 +95,7 @@ Image draw_live(Live& live, const GlLimits& limits, const PictureRequest& reques
     LiveParams params;
     if (!request.fine) params = {.antialias = 1, .shadow_size = 1024, .reflection_rays = 4};
     live.renderer = std::make_unique<LiveRenderer>(
-        limits, make_scene(*request.stage, *request.material, live.lighting, request.camera),
+        limits, make_scene(*request.stage, *request.material, {}, live.lighting, request.camera),
         *live.ready->transport, params);
   }
   if (live.material != request.material) {
@@ -161,7 +168,8 @@ Image PictureDrawer::Impl::shade(const PictureRequest& request,
     }
   }
   const RenderResult result =
-      render(make_scene(*request.stage, *material, request.lighting, request.camera),
+      render(make_scene(*request.stage, *material, request.layers, request.lighting,
+                        request.camera),
              cpu_params(request.fine), progress);
   picture.report = {};
   picture.report.samples = result.report.samples;

@@ -25,11 +25,12 @@ const std::vector<std::string>& view_mode_names();
 struct PictureRequest {
   std::shared_ptr<const Stage> stage;
   std::shared_ptr<const Material> material;
+  StageLayers layers;                               // over it
   std::shared_ptr<const Material> before;           // for ViewMode::difference; may be null
   std::shared_ptr<const Mask> mask;                 // shown in red; may be null
   std::shared_ptr<const ReadyTransport> transport;  // of this stage and lighting; may be null
   std::vector<Rgb> light_scales;                    // of its lights
-  Lighting lighting;
+  Lighting lighting;                                // those that are on
   Camera camera;  // with the size to be drawn
   ViewMode mode = ViewMode::shaded;
   double exposure = 0;  // stops

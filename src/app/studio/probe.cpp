@@ -105,17 +105,40 @@ void describe_picture(Document& state, Probe& probe, const Studio& studio) {
   set(state, "brightness", probe.brightness);
 }
 
+// All lights and layers of the surface, and where those are that dragging turns.
+void describe_lights(Document& state, const Studio& studio) {
+  const Vec3 middle = studio.stage != nullptr ? center(studio.stage->box) : Vec3{};
+  const std::size_t lamp = find_light(studio.lighting, studio.selected_light, false),
+                    sky = find_light(studio.lighting, studio.selected_light, true);
+  if (lamp < studio.lighting.size())
+    set(state, "azimuth_deg", angles_of(studio.lighting[lamp], middle).azimuth_deg);
+  if (sky < studio.lighting.size())
+    set(state, "rotation_deg", studio.lighting[sky].rotation_deg);
+  Document::Array lights, layers;
+  for (const StageLight& light : studio.lighting)
+    lights.emplace_back(Document::Object{
+        {"kind", light_kind_names()[static_cast<std::size_t>(light.kind)]},
+        {"enabled", light.enabled}});
+  for (const auto& layer : studio.layers)
+    layers.emplace_back(Document::Object{{"name", layer->material_name},
+                                         {"enabled", layer->enabled},
+                                         {"opacity", layer->opacity}});
+  set(state, "lights", std::move(lights));
+  set(state, "surface", std::move(layers));
+}
+
 void describe_scene(Document& state, const Studio& studio) {
   set(state, "material", studio.material_path);
   set(state, "mesh", studio.mesh_path);
   set(state, "second", studio.second != nullptr ? studio.second->path : "");
   set(state, "homogeneous", studio.is_homogeneous);
-  set(state, "sigma_a",
-      Document::Array(studio.homogeneous.sigma_a.begin(), studio.homogeneous.sigma_a.end()));
+  Document::Array absorption;
+  for (const DipoleCoefficients& channel : studio.homogeneous.channels)
+    absorption.emplace_back(channel.sigma_a);
+  set(state, "sigma_a", std::move(absorption));
   set(state, "yaw_deg", studio.orbit.yaw_deg);
   set(state, "distance_mm", studio.orbit.distance_mm);
-  set(state, "azimuth_deg", studio.lighting.azimuth_deg);
-  set(state, "rotation_deg", studio.lighting.rotation_deg);
+  describe_lights(state, studio);
   set(state, "brush_mm", studio.brush_radius_mm);
 }
 

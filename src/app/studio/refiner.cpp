@@ -25,9 +25,14 @@ void Refiner::prepare(const RefineRequest& request) {
   if (refinement_ == nullptr || last_.stage != request.stage) {
     refinement_.reset();
     refinement_ = std::make_unique<Refinement>(
-        make_scene(*request.stage, *request.material, request.lighting, request.camera), params_);
+        make_scene(*request.stage, *request.material, request.layers, request.lighting,
+                   request.camera),
+        params_);
   } else {
-    if (last_.material != request.material) refinement_->set_material(*request.material);
+    if (last_.layers != request.layers)
+      refinement_->set_material(*request.material, copy_layers(request.layers));
+    else if (last_.material != request.material)
+      refinement_->set_material(*request.material);
     if (!(last_.lighting == request.lighting))
       refinement_->set_lights(make_lights(request.lighting));
     if (!(last_.camera == request.camera)) refinement_->set_camera(request.camera);
@@ -92,6 +97,7 @@ void update_refiner(Studio& studio) {
   RefineRequest request{.under = studio.picture,
                         .stage = studio.stage,
                         .material = studio.material,
+                        .layers = shown_layers(studio),
                         .lighting = studio.lighting,
                         .camera = make_view_camera(studio, 1),
                         .exposure = studio.exposure};

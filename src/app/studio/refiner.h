@@ -16,6 +16,7 @@ struct RefineRequest {
   std::shared_ptr<const Picture> under;  // what it refines, of the same size; gives the id
   std::shared_ptr<const Stage> stage;
   std::shared_ptr<const Material> material;
+  StageLayers layers;
   Lighting lighting;
   Camera camera;
   double exposure = 0;  // stops

@@ -26,7 +26,8 @@ RefineRequest make_request() {
                         .stage = make_stage(std::move(scene)),
                         .material = std::make_shared<const Material>(Dipole{
                             .channels = {DipoleCoefficients{.sigma_a = 0.01, .sigma_s_prime = 2}}}),
-                        .lighting = {},
+                        .layers = {},
+                        .lighting = {{.place = direction_of(45, 40), .power = {2.5f, 2.5f, 2.5f}}},
                         .camera = {},
                         .exposure = 0};
   request.camera = make_camera(frame_stage(*request.stage, 32, 24), 32, 24);
@@ -41,7 +42,8 @@ std::vector<std::uint8_t> draw_brute(const RefineRequest& request) {
   params.method = GatherMethod::brute;
   params.shading = Shading::pixel;
   return encode_picture(
-      render(make_scene(*request.stage, *request.material, request.lighting, request.camera),
+      render(make_scene(*request.stage, *request.material, request.layers, request.lighting,
+                        request.camera),
              params)
           .image,
       request.exposure);
@@ -85,13 +87,22 @@ TEST(Refiner, ChangesLeaveNothingBehind) {
     EXPECT_EQ(refiner.latest()->rgba, draw_brute(request));
   };
   check([](RefineRequest& r) { r.exposure = 1; });
-  check([](RefineRequest& r) { r.lighting.azimuth_deg = -60; });
+  check([](RefineRequest& r) { r.lighting[0].place = direction_of(-60, 40); });
   check([](RefineRequest& r) { r.camera.position = r.camera.position * 1.5f; });
   check([](RefineRequest& r) {
     Dipole darker = std::get<Dipole>(*r.material);
     darker.channels[0].sigma_a = 1;
     r.material = std::make_shared<const Material>(darker);
   });
+  const auto set_layer = [](RefineRequest& r, double opacity) {
+    SurfaceLayer layer{.opacity = opacity};
+    layer.material = std::make_shared<const Material>(Dipole{.channels = {{0.5, 3, 0}}});
+    layer.mask = {{GradientMask{r.stage->box.lower, r.stage->box.upper}}};
+    r.layers = {std::make_shared<const SurfaceLayer>(std::move(layer))};
+  };
+  check([&](RefineRequest& r) { set_layer(r, 1); });
+  check([&](RefineRequest& r) { set_layer(r, 0.5); });
+  check([](RefineRequest& r) { r.layers.clear(); });
   check([](RefineRequest& r) { r.stage = make_request().stage; });
 }
 

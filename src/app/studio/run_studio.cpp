@@ -59,6 +59,7 @@ struct Tab {
 };
 constexpr Tab upper_tabs[] = {{"Layers", draw_layers},
                               {"Material", draw_material},
+                              {"Surface", draw_surface},
                               {"Light", draw_light},
                               {"Compress", draw_compression}};
 constexpr Tab lower_tabs[] = {

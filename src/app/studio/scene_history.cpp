@@ -11,7 +11,13 @@ std::string label_of(const SceneState& before, const SceneState& after) {
     return after.is_homogeneous ? "homogeneous material" : "back to the map";
   if (!(before.homogeneous == after.homogeneous)) return "coefficients";
   if (before.exposure != after.exposure) return "exposure";
-  if (before.lighting.image != after.lighting.image) return "environment";
+  if (before.layers.size() != after.layers.size())
+    return before.layers.size() < after.layers.size() ? "add layer" : "remove layer";
+  if (before.layers != after.layers) return "layer of the scene";
+  if (before.lighting.size() != after.lighting.size())
+    return before.lighting.size() < after.lighting.size() ? "add light" : "remove light";
+  for (std::size_t i = 0; i < after.lighting.size(); ++i)
+    if (before.lighting[i].sky != after.lighting[i].sky) return "environment";
   return "light";
 }
 

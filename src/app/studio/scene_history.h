@@ -1,9 +1,8 @@
-// Undo for what is no part of the recipe: the light, the exposure, and the coefficients of a
-// homogeneous material. Entries remember how long the recipe's own history was, so that both are
+// Undo for what is no part of the recipe: lights, layers over the material, the exposure, and the
+// coefficients of a homogeneous material. Entries remember how long the recipe's own history was, so that both are
 // undone in the order in which they were made.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,20 +11,11 @@
 
 namespace parian {
 
-// What the sliders of a homogeneous material show: per channel, in 1/mm.
-struct HomogeneousControls {
-  std::array<double, 3> sigma_a{0.004, 0.008, 0.03};
-  std::array<double, 3> sigma_s_prime{1.2, 1.3, 1.5};
-  std::array<double, 3> g{};
-  double eta = 1.3;
-  bool single_scattering = true;
-  friend bool operator==(const HomogeneousControls&, const HomogeneousControls&) = default;
-};
-
 struct SceneState {
   bool is_homogeneous = false;
-  HomogeneousControls homogeneous;
+  Dipole homogeneous;  // three channels
   Lighting lighting;
+  StageLayers layers;
   double exposure = 0;
   friend bool operator==(const SceneState&, const SceneState&) = default;
 };

@@ -7,7 +7,8 @@ namespace {
 
 SceneState lit(double lamp) {
   SceneState state;
-  state.lighting.lamp = lamp;
+  const auto power = static_cast<float>(lamp);
+  state.lighting = {{.power = {power, power, power}}};
   return state;
 }
 
@@ -27,13 +28,24 @@ TEST(SceneHistory, NotesWhatChanged) {
   SceneState other = lit(2);
   other.exposure = 1;
   note_scene(history, other, 0);
-  other.homogeneous.g[1] = 0.5;
+  other.homogeneous.eta = 1.5;
   note_scene(history, other, 0);
   other.is_homogeneous = true;
   note_scene(history, other, 0);
-  EXPECT_EQ(
-      labels(view_history(history, {}, {})),
-      (std::vector<std::string>{"light", "exposure", "coefficients", "homogeneous material"}));
+  other.lighting.push_back({.kind = LightKind::point});
+  note_scene(history, other, 0);
+  other.lighting.erase(other.lighting.begin());
+  note_scene(history, other, 0);
+  other.layers.push_back(std::make_shared<const SurfaceLayer>());
+  note_scene(history, other, 0);
+  other.layers[0] = std::make_shared<const SurfaceLayer>();
+  note_scene(history, other, 0);
+  other.layers.clear();
+  note_scene(history, other, 0);
+  EXPECT_EQ(labels(view_history(history, {}, {})),
+            (std::vector<std::string>{"light", "exposure", "coefficients", "homogeneous material",
+                                      "add light", "remove light", "add layer",
+                                      "layer of the scene", "remove layer"}));
 }
 
 TEST(SceneHistory, UndoGivesBackEachState) {

@@ -3,17 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "scene/camera.h"
 
 namespace parian {
 namespace {
 
 constexpr double degree = 0.017453292519943295;
+constexpr double least_roll_deg = 1e-3;  // less is rounding
+constexpr double steep_deg = 89.5;       // beyond it the y axis is no guide to the picture's up
 
-Vec3 direction_of(double azimuth_deg, double elevation_deg) {
-  const double a = azimuth_deg * degree, e = elevation_deg * degree;
-  return {static_cast<float>(std::cos(e) * std::sin(a)), static_cast<float>(std::sin(e)),
-          static_cast<float>(std::cos(e) * std::cos(a))};
+// The picture's axes before it is rolled; defined at the poles, too.
+struct OrbitAxes {
+  Vec3 right, up;
+};
+OrbitAxes axes_of(const Orbit& orbit) {
+  return {direction_of(orbit.yaw_deg + 90, 0), direction_of(orbit.yaw_deg, orbit.pitch_deg + 90)};
 }
 
 }  // namespace
@@ -22,14 +27,40 @@ std::shared_ptr<const Stage> make_stage(Scene scene) {
   if (scene.mesh.normals.empty()) compute_normals(scene.mesh);
   RayTracer tracer(scene.mesh);
   const Bounds3 box = bounds(scene.mesh);
+  scene.material = {};
+  scene.layers.clear();
+  scene.lights.clear();
   return std::make_shared<const Stage>(Stage{std::move(scene), std::move(tracer), box});
 }
 
-Scene make_scene(const Stage& stage, const Material& material, const Lighting& lighting,
-                 const Camera& camera) {
+std::string why_not(const SurfaceLayer& layer, const Stage& stage, const Material& material) {
+  try {
+    check_layer(layer, material, {}, stage.scene.mesh, {}, "layer");
+    return {};
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+StageLayers shown_layers(const StageLayers& layers, const Stage& stage, const Material& material) {
+  StageLayers shown;
+  for (const auto& layer : layers)
+    if (layer->enabled && why_not(*layer, stage, material).empty()) shown.push_back(layer);
+  return shown;
+}
+
+std::vector<SurfaceLayer> copy_layers(const StageLayers& layers) {
+  std::vector<SurfaceLayer> copies;
+  copies.reserve(layers.size());
+  for (const auto& layer : layers) copies.push_back(*layer);
+  return copies;
+}
+
+Scene make_scene(const Stage& stage, const Material& material, const StageLayers& layers,
+                 const Lighting& lighting, const Camera& camera) {
   Scene scene = stage.scene;
   scene.material = material;
-  scene.layers.clear();
+  scene.layers = copy_layers(layers);
   scene.lights = make_lights(lighting);
   scene.camera = camera;
   scene.exposure = 0;
@@ -40,11 +71,19 @@ Orbit make_orbit(const Camera& camera) {
   const Vec3 from = camera.position - camera.target;
   const double r = std::max(1e-6, static_cast<double>(length(from)));
   const double height = std::clamp(static_cast<double>(from.y) / r, -1.0, 1.0);
-  return {.target = camera.target,
-          .yaw_deg = std::atan2(static_cast<double>(from.x), static_cast<double>(from.z)) / degree,
-          .pitch_deg = std::asin(height) / degree,
-          .distance_mm = r,
-          .fov_deg = camera.fov_deg};
+  Orbit orbit{
+      .target = camera.target,
+      .yaw_deg = std::atan2(static_cast<double>(from.x), static_cast<double>(from.z)) / degree,
+      .pitch_deg = std::asin(height) / degree,
+      .distance_mm = r,
+      .fov_deg = camera.fov_deg};
+  const OrbitAxes axes = axes_of(orbit);
+  const Vec3 up = make_camera_frame(camera).up;
+  const double roll = std::atan2(static_cast<double>(dot(up, axes.right)),
+                                 static_cast<double>(dot(up, axes.up))) /
+                      degree;
+  if (std::abs(roll) > least_roll_deg) orbit.roll_deg = roll;
+  return orbit;
 }
 
 Orbit frame_stage(const Stage& stage, int width, int height) {
@@ -61,6 +100,11 @@ Camera make_camera(const Orbit& orbit, int width, int height) {
   camera.target = orbit.target;
   camera.position = orbit.target + direction_of(orbit.yaw_deg, orbit.pitch_deg) *
                                        static_cast<float>(orbit.distance_mm);
+  if (orbit.roll_deg != 0 || std::abs(orbit.pitch_deg) > steep_deg) {
+    const OrbitAxes axes = axes_of(orbit);
+    camera.up = axes.up * static_cast<float>(std::cos(orbit.roll_deg * degree)) +
+                axes.right * static_cast<float>(std::sin(orbit.roll_deg * degree));
+  }
   camera.fov_deg = orbit.fov_deg;
   camera.width = width;
   camera.height = height;
@@ -83,23 +127,6 @@ void pan(Orbit& orbit, double dx, double dy, int height) {
 
 void zoom(Orbit& orbit, double steps) {
   orbit.distance_mm = std::clamp(orbit.distance_mm * std::pow(0.9, steps), 1e-3, 1e6);
-}
-
-std::vector<Light> make_lights(const Lighting& lighting) {
-  std::vector<Light> lights;
-  if (lighting.image != nullptr && lighting.environment > 0) {
-    const auto scale = static_cast<float>(lighting.environment);
-    lights.emplace_back(EnvironmentLight{.image = *lighting.image,
-                                         .rotation_deg = lighting.rotation_deg,
-                                         .scale = {scale, scale, scale}});
-  }
-  if (lighting.lamp > 0) {
-    const auto e = static_cast<float>(lighting.lamp);
-    lights.emplace_back(
-        DirectionalLight{.direction = direction_of(lighting.azimuth_deg, lighting.elevation_deg),
-                         .irradiance = {e, e, e}});
-  }
-  return lights;
 }
 
 std::optional<MapPlace> pick(const Stage& stage, const SampleGrid& grid, const Camera& camera,

@@ -1,11 +1,12 @@
-// What stands on the stage: a mesh with its mapping, ready for rays, and how the camera and lights
-// are set up around it by dragging.
+// What stands on the stage: a mesh with its mapping, ready for rays, and how the camera and layers
+// are set up on it. Lights: lighting.h.
 #pragma once
 
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "app/studio/lighting.h"
 #include "mesh/ray_tracer.h"
 #include "scene/mapping.h"
 #include "scene/scene.h"
@@ -14,7 +15,7 @@ namespace parian {
 
 // Never changes once made; shared between threads.
 struct Stage {
-  Scene scene;  // its material, lights, camera are starting values only
+  Scene scene;  // without material, layers and lights; its camera is a starting value only
   RayTracer tracer;
   Bounds3 box;
 };
@@ -26,6 +27,7 @@ struct Orbit {
   double yaw_deg = 20, pitch_deg = 15;
   double distance_mm = 100;
   double fov_deg = 30;
+  double roll_deg = 0;  // of the picture's up from the y axis, to the right
 };
 Orbit make_orbit(const Camera& camera);
 Orbit frame_stage(const Stage& stage, int width, int height);
@@ -35,20 +37,17 @@ void turn(Orbit& orbit, double dx, double dy, int height);
 void pan(Orbit& orbit, double dx, double dy, int height);
 void zoom(Orbit& orbit, double steps);
 
-// The one directional light that is dragged, and an environment.
-struct Lighting {
-  double azimuth_deg = 45, elevation_deg = 40;  // of the lamp, towards it
-  double lamp = 2.5;                            // irradiance on a plane that faces it; 0: off
-  double environment = 0.5;                     // factor; 0: off
-  double rotation_deg = 0;                      // of the environment
-  std::shared_ptr<const Image> image;           // null: none
-  friend bool operator==(const Lighting&, const Lighting&) = default;
-};
-std::vector<Light> make_lights(const Lighting& lighting);
+// Layers over the material, bottom up; an edit puts another one in the place of what was there.
+using StageLayers = std::vector<std::shared_ptr<const SurfaceLayer>>;
+// Why a layer cannot lie on this material and mesh; empty: it can.
+std::string why_not(const SurfaceLayer& layer, const Stage& stage, const Material& material);
+// Those that are on and can.
+StageLayers shown_layers(const StageLayers& layers, const Stage& stage, const Material& material);
+std::vector<SurfaceLayer> copy_layers(const StageLayers& layers);
 
-// The stage's mesh made of a material, under these lights.
-Scene make_scene(const Stage& stage, const Material& material, const Lighting& lighting,
-                 const Camera& camera);
+// The stage's mesh made of a material under these layers (all are taken) and lights.
+Scene make_scene(const Stage& stage, const Material& material, const StageLayers& layers,
+                 const Lighting& lighting, const Camera& camera);
 
 // The place in the map under a pixel of the picture.
 struct MapPlace {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "app/cli/inputs.h"
+#include "app/studio/scene_file.h"
 #include "app/studio/studio_files.h"
 #include "base/error.h"
 #include "fit/fit.h"
@@ -19,7 +20,7 @@
 #include "io/hdf5/table_file.h"
 #include "io/json/json.h"
 #include "mesh/shapes.h"
-#include "scene/environment.h"
+#include "scene/write_scene.h"
 
 namespace parian {
 namespace {
@@ -112,6 +113,51 @@ ProfileMap load_any_map(const std::string& path, std::shared_ptr<const SliceSour
   return fit_profiles(*table, {}, progress).map;
 }
 
+// What an autosave is made into.
+struct Saved {
+  std::string material_path, recipe_file;
+  Document recipe;
+  std::optional<OpenedScene> scene;
+  std::string scene_error;  // why there is none
+  ProfileMap map;
+  std::shared_ptr<const SliceSource> table;
+};
+
+Saved load_saved(const std::string& path, const Progress& progress) {
+  const Document document = load_document(path);
+  Saved saved{.material_path = as_string(get(document, "material")),
+              .recipe_file = as_string(get(document, "recipe_file")),
+              .recipe = get(document, "recipe")};
+  // The recipe comes back without the mesh or a layer, too.
+  try {
+    if (const Document* scene = find(document, "scene"))
+      saved.scene = open_scene(*scene, path, progress);
+  } catch (const Error& error) {
+    if (error.kind == ErrorKind::cancelled) throw;
+    saved.scene_error = error.what();
+  }
+  const ProfileMap* opened =
+      saved.scene ? std::get_if<ProfileMap>(&saved.scene->material) : nullptr;
+  if (opened != nullptr && saved.scene->material_path == saved.material_path) {
+    saved.map = *opened;
+    saved.table = saved.scene->table;
+  } else {
+    saved.map = load_any_map(saved.material_path, saved.table, progress);
+  }
+  return saved;
+}
+
+void show_saved(Studio& studio, const Saved& saved) {
+  if (!saved.scene_error.empty()) report(studio, saved.scene_error, true);
+  if (saved.scene) show_scene(studio, *saved.scene);
+  const bool is_homogeneous = studio.is_homogeneous;
+  show_map(studio, saved.map, saved.material_path, saved.table);
+  show_recipe(studio, saved.recipe_file, saved.recipe, "recover");
+  if (saved.scene && is_homogeneous) set_homogeneous(studio, studio.homogeneous);
+  studio.saved_version = 0;
+  report(studio, "recovered the last recipe");
+}
+
 }  // namespace
 
 void remember(Studio& studio, const std::string& path) {
@@ -133,15 +179,15 @@ void write_autosave(const Studio& studio) {
   const std::string path = autosave_path(studio.paths);
   if (path.empty() || studio.snapshot == nullptr) return;
   std::error_code ignored;
-  if (studio.snapshot->layers.empty()) {
+  if (studio.snapshot->layers.empty() && studio.scene_history.done.empty()) {
     std::filesystem::remove(path, ignored);
     return;
   }
   Document document{Document::Object{}};
-  set(document, "material", studio.material_path);
-  set(document, "mesh", studio.mesh_path);
+  set(document, "material", std::filesystem::absolute(studio.material_path).string());
   set(document, "recipe_file", studio.recipe_path);
   set(document, "recipe", studio.snapshot->recipe);
+  if (studio.stage != nullptr) set(document, "scene", write_scene(describe_scene(studio)));
   save_document(path, document);
   // What it was recovered from.
   if (!studio.recoverable) std::filesystem::remove(aside_path(studio.paths), ignored);
@@ -176,31 +222,10 @@ void discard_recoverable(Studio& studio) {
 void recover(Studio& studio) {
   if (!studio.recoverable) return;
   const std::string path = *std::exchange(studio.recoverable, std::nullopt);
-  try {
-    const Document saved = load_document(path);
-    const std::string material = as_string(get(saved, "material"));
-    const std::string recipe_file = as_string(get(saved, "recipe_file"));
-    if (const std::string& mesh = as_string(get(saved, "mesh"));
-        mesh != studio.mesh_path && std::filesystem::exists(mesh))
-      open_file(studio, mesh);
-    const auto apply = [&studio, recipe = get(saved, "recipe"), recipe_file] {
-      show_recipe(studio, recipe_file, recipe, "recover");
-      studio.saved_version = 0;
-      report(studio, "recovered the last recipe");
-    };
-    if (material == studio.material_path) return apply();
-    studio.jobs.start(
-        "open " + material, [&studio, material, apply](const Progress& progress) -> Jobs::Finish {
-          std::shared_ptr<const SliceSource> table;
-          auto map = std::make_shared<ProfileMap>(load_any_map(material, table, progress));
-          return [&studio, material, map, table, apply] {
-            show_map(studio, *map, material, table);
-            apply();
-          };
-        });
-  } catch (const std::exception& error) {
-    report(studio, error.what(), true);
-  }
+  studio.jobs.start("recover", [&studio, path](const Progress& progress) -> Jobs::Finish {
+    auto saved = std::make_shared<const Saved>(load_saved(path, progress));
+    return [&studio, saved] { show_saved(studio, *saved); };
+  });
 }
 
 void start_studio(Studio& studio, const StudioPaths& paths) {
@@ -208,8 +233,8 @@ void start_studio(Studio& studio, const StudioPaths& paths) {
   make_state_folder(studio);
   load_kept(studio);
   studio.recoverable = find_autosave(studio.paths);
-  studio.lighting.image = std::make_shared<const Image>(make_studio_image());
-  show_stage(studio, make_plain_stage(make_shape("knot"), "knot"), "knot");
+  studio.lighting = make_first_lighting();
+  show_stage(studio, make_plain_stage(make_shape("knot"), {.shape = "knot"}), "knot");
   const std::string path = paths.data_folder + "/stone-72x64.h5";
   try {
     std::shared_ptr<const SliceSource> table;
@@ -217,7 +242,7 @@ void start_studio(Studio& studio, const StudioPaths& paths) {
     show_map(studio, map, path, table);
   } catch (const Error& error) {
     report(studio, error.what(), true);
-    set_homogeneous(studio, {});
+    set_homogeneous(studio, first_homogeneous());
   }
 }
 

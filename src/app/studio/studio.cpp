@@ -23,6 +23,11 @@ std::shared_ptr<const Mask> shown_mask(const Studio& studio) {
   return studio.snapshot->layers[*studio.selected_layer].mask;
 }
 
+StageLayers shown_layers(const Studio& studio) {
+  if (studio.stage == nullptr || studio.material == nullptr) return {};
+  return shown_layers(studio.layers, *studio.stage, *studio.material);
+}
+
 namespace {
 
 constexpr double rest_s = 0.25;          // without changes, until the picture gets all its pixels
@@ -31,9 +36,8 @@ constexpr double autosave_rest_s = 0.5;  // between a change and its autosave
 void request_picture(Studio& studio, bool fine) {
   std::shared_ptr<const ReadyTransport> transport;
   std::vector<Rgb> scales;
-  if (studio.is_homogeneous && studio.use_transport && studio.transport != nullptr)
-    if (auto found = find_light_scales(*studio.transport,
-                                       {studio.stage, studio.lighting, studio.homogeneous.eta})) {
+  if (can_use_transport(studio) && studio.transport != nullptr)
+    if (auto found = find_light_scales(*studio.transport, make_transport_key(studio))) {
       transport = studio.transport;
       scales = *std::move(found);
     }
@@ -41,11 +45,12 @@ void request_picture(Studio& studio, bool fine) {
   PictureRequest request{
       .stage = studio.stage,
       .material = studio.material,
+      .layers = shown_layers(studio),
       .before = studio.original,
       .mask = shown_mask(studio),
       .transport = std::move(transport),
       .light_scales = std::move(scales),
-      .lighting = studio.lighting,
+      .lighting = only_enabled(studio.lighting),
       .camera = make_view_camera(studio, fine || is_live ? 1 : studio.interactive_scale),
       .mode = studio.mode,
       .exposure = studio.exposure,
@@ -150,10 +155,10 @@ void update_measured(Studio& studio) {
 }
 
 void update_autosave(Studio& studio) {
-  if (studio.snapshot == nullptr || studio.snapshot->version == studio.autosaved_version) return;
+  if (studio.snapshot == nullptr || studio.last_change_s == studio.autosaved_change_s) return;
   if (studio.now_s - studio.last_change_s < autosave_rest_s || studio.editor->activity().busy)
     return;
-  studio.autosaved_version = studio.snapshot->version;
+  studio.autosaved_change_s = studio.last_change_s;
   try {
     write_autosave(studio);
   } catch (const Error& error) {

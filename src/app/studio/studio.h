@@ -86,6 +86,9 @@ struct Message {
   int count = 1;  // how often in a row
 };
 
+// A clear material that scatters once visibly, to start from.
+Dipole first_homogeneous();
+
 struct StudioPaths {
   std::string state_folder;  // recent files, autosave; empty: nothing is kept
   std::string data_folder;   // bundled samples
@@ -103,16 +106,19 @@ struct Studio {
   std::shared_ptr<const Material> original;  // before all edits
   std::shared_ptr<const SliceSource> table;  // what the map was fitted to, if known
   std::string material_path, recipe_path;
-  HomogeneousControls homogeneous;
+  Dipole homogeneous = first_homogeneous();
   std::shared_ptr<const SecondMaterial> second;
   std::optional<std::size_t> selected_layer;
-  std::uint64_t seen_version = 0, saved_version = 0, autosaved_version = 0;
+  std::uint64_t seen_version = 0, saved_version = 0;
 
   // Stage.
   std::shared_ptr<const Stage> stage;
   std::string mesh_path;
   Orbit orbit;
   Lighting lighting;
+  std::size_t selected_light = 0;
+  StageLayers layers;  // over the material
+  std::optional<std::size_t> selected_stage_layer;
   double exposure = 0;
   ViewMode mode = ViewMode::shaded;
   int view_width = 640, view_height = 480;  // of the 3-D view, in pixels
@@ -127,7 +133,8 @@ struct Studio {
 
   // What was asked for last, and what is shown.
   std::uint64_t request_id = 0;
-  double last_change_s = 0;  // when something was changed last
+  double last_change_s = 0;       // when something was changed last
+  double autosaved_change_s = -1;  // that the autosave holds
   std::shared_ptr<const Picture> picture;
   Refiner refiner;
   std::shared_ptr<const Picture> refined;         // its, of the same request
@@ -195,6 +202,8 @@ void note_scene_now(Studio& studio);
 
 // Of the 3-D view, whose size is scaled.
 Camera make_view_camera(const Studio& studio, double scale);
+// The layers that the view shows.
+StageLayers shown_layers(const Studio& studio);
 // The selection that the view shows; null: none.
 std::shared_ptr<const Mask> shown_mask(const Studio& studio);
 
@@ -202,7 +211,7 @@ std::shared_ptr<const Mask> shown_mask(const Studio& studio);
 void touch_view(Studio& studio);
 void touch_map(Studio& studio);
 
-void set_homogeneous(Studio& studio, const HomogeneousControls& controls);
+void set_homogeneous(Studio& studio, Dipole material);
 // Back to the map.
 void leave_homogeneous(Studio& studio);
 

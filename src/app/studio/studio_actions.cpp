@@ -68,6 +68,7 @@ void start_compression(Studio& studio, std::vector<int> counts) {
 
 void apply_scene(Studio& studio, const SceneState& state) {
   studio.lighting = state.lighting;
+  studio.layers = state.layers;
   studio.exposure = state.exposure;
   studio.homogeneous = state.homogeneous;
   if (state.is_homogeneous)
@@ -84,13 +85,16 @@ std::size_t recipe_entries(const Studio& studio) {
 
 }  // namespace
 
-void set_homogeneous(Studio& studio, const HomogeneousControls& controls) {
+Dipole first_homogeneous() {
+  return {.channels = {{0.004, 1.2, 0}, {0.008, 1.3, 0}, {0.03, 1.5, 0}},
+          .single_scattering = true};
+}
+
+void set_homogeneous(Studio& studio, Dipole material) {
+  material.channels.resize(3, material.channels.front());
   studio.is_homogeneous = true;
-  studio.homogeneous = controls;
-  Dipole dipole{.eta = controls.eta, .single_scattering = controls.single_scattering};
-  for (std::size_t c = 0; c < 3; ++c)
-    dipole.channels.push_back({controls.sigma_a[c], controls.sigma_s_prime[c], controls.g[c]});
-  studio.material = std::make_shared<const Material>(std::move(dipole));
+  studio.homogeneous = material;
+  studio.material = std::make_shared<const Material>(std::move(material));
   touch_map(studio);
   touch_view(studio);
 }
@@ -123,7 +127,8 @@ void show_compressed(Studio& studio, std::optional<std::size_t> index) {
 
 void note_scene_now(Studio& studio) {
   note_scene(studio.scene_history,
-             {studio.is_homogeneous, studio.homogeneous, studio.lighting, studio.exposure},
+             {studio.is_homogeneous, studio.homogeneous, studio.lighting, studio.layers,
+              studio.exposure},
              recipe_entries(studio));
 }
 

@@ -13,6 +13,8 @@ namespace parian {
 void open_file(Studio& studio, const std::string& path);
 // A map or blend to take profiles and patterns from.
 void open_second(Studio& studio, const std::string& path);
+// A map or blend that becomes a layer over the material.
+void open_layer(Studio& studio, const std::string& path);
 
 void save_recipe(Studio& studio, const std::string& path);
 void save_map(Studio& studio, const std::string& path);
@@ -42,6 +44,7 @@ void show_stage(Studio& studio, std::shared_ptr<const Stage> stage, const std::s
 void show_recipe(Studio& studio, const std::string& path, const Document& recipe,
                  const std::string& label);
 void remember(Studio& studio, const std::string& path);
-std::shared_ptr<const Stage> make_plain_stage(TriangleMesh mesh, const std::string& name);
+// Of the size that meshes without a scene get.
+std::shared_ptr<const Stage> make_plain_stage(TriangleMesh mesh, MeshSource source);
 
 }  // namespace parian

@@ -270,14 +270,16 @@ TEST(Studio, UndoesTheLightBesideTheRecipe) {
   start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
   make_small(studio);
   run(studio);
-  const double azimuth = studio.lighting.azimuth_deg;
-  studio.lighting.azimuth_deg = 10;
+  const Lighting first = studio.lighting;
+  Lighting turned = first;
+  turn_light(turned[0], 10, 0, {});
+  studio.lighting = turned;
   touch_view(studio);
   run(studio);
   add_layer(studio, make_adjust(2));
   run(studio);
   studio.use_transport = false;
-  set_homogeneous(studio, {});
+  set_homogeneous(studio, first_homogeneous());
   note_scene_now(studio);
   EXPECT_EQ(view_history(studio).position, 3u);
   undo(studio);
@@ -287,13 +289,13 @@ TEST(Studio, UndoesTheLightBesideTheRecipe) {
   studio.editor->wait();
   run(studio);
   EXPECT_TRUE(studio.snapshot->layers.empty());
-  EXPECT_EQ(studio.lighting.azimuth_deg, 10);
+  EXPECT_EQ(studio.lighting, turned);
   undo(studio);
-  EXPECT_EQ(studio.lighting.azimuth_deg, azimuth);
+  EXPECT_EQ(studio.lighting, first);
   jump_to(studio, 3);
   studio.editor->wait();
   run(studio);
-  EXPECT_EQ(studio.lighting.azimuth_deg, 10);
+  EXPECT_EQ(studio.lighting, turned);
   EXPECT_EQ(studio.snapshot->layers.size(), 1u);
   EXPECT_TRUE(studio.is_homogeneous);
 }

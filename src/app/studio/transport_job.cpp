@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 
 #include "app/studio/studio.h"
@@ -13,18 +14,13 @@ namespace {
 
 constexpr double rest_s = 0.8;  // without changes, until the work starts
 
-// The environment's place and the lamp's, apart from how bright they are.
-bool is_same_environment(const Lighting& a, const Lighting& b) {
-  return a.image == b.image && a.rotation_deg == b.rotation_deg;
-}
-bool is_same_lamp(const Lighting& a, const Lighting& b) {
-  return a.azimuth_deg == b.azimuth_deg && a.elevation_deg == b.elevation_deg;
-}
-bool has_environment(const Lighting& lighting) {
-  return lighting.image != nullptr && lighting.environment > 0;
-}
-bool has_same_kinds(const Lighting& a, const Lighting& b) {
-  return has_environment(a) == has_environment(b) && (a.lamp > 0) == (b.lamp > 0);
+// Apart from how bright they are. A channel that was dark says nothing about itself.
+bool is_same_place(const StageLight& a, const StageLight& b) {
+  const auto is_dark = [](Rgb color) {
+    return std::array{color.x > 0, color.y > 0, color.z > 0};
+  };
+  return a.kind == b.kind && a.sky == b.sky && a.place == b.place &&
+         a.rotation_deg == b.rotation_deg && is_dark(a.power) == is_dark(b.power);
 }
 
 Scene make_transport_scene(const TransportKey& key) {
@@ -48,8 +44,9 @@ Progress count_lights(const Progress& progress, std::size_t done, std::size_t li
 }
 
 bool is_same_target(const TransportKey& a, const TransportKey& b) {
-  return a.stage == b.stage && a.eta == b.eta && has_same_kinds(a.lighting, b.lighting) &&
-         is_same_environment(a.lighting, b.lighting) && is_same_lamp(a.lighting, b.lighting);
+  return a.stage == b.stage && a.eta == b.eta &&
+         std::equal(a.lighting.begin(), a.lighting.end(), b.lighting.begin(), b.lighting.end(),
+                    is_same_place);
 }
 
 void start_transport(Studio& studio, const TransportKey& wanted) {
@@ -82,15 +79,13 @@ void start_transport(Studio& studio, const TransportKey& wanted) {
 std::optional<std::vector<Rgb>> find_light_scales(const ReadyTransport& ready,
                                                   const TransportKey& wanted) {
   if (!is_same_target(ready.key, wanted)) return std::nullopt;
+  const auto factor = [](float now, float then) { return then > 0 ? now / then : 1.0f; };
   std::vector<Rgb> scales;
-  const auto add = [&](double now, double then) {
-    const auto factor = static_cast<float>(now / then);
-    scales.push_back({factor, factor, factor});
-  };
-  // In the order of make_lights.
-  if (has_environment(wanted.lighting))
-    add(wanted.lighting.environment, ready.key.lighting.environment);
-  if (wanted.lighting.lamp > 0) add(wanted.lighting.lamp, ready.key.lighting.lamp);
+  scales.reserve(wanted.lighting.size());
+  for (std::size_t i = 0; i < wanted.lighting.size(); ++i) {
+    const Rgb now = wanted.lighting[i].power, then = ready.key.lighting[i].power;
+    scales.push_back({factor(now.x, then.x), factor(now.y, then.y), factor(now.z, then.z)});
+  }
   return scales;
 }
 
@@ -114,9 +109,8 @@ std::shared_ptr<const ReadyTransport> make_ready_transport(const TransportKey& k
   if (scene.lights.empty())
     throw Error({{}, "light", "a lamp or an environment that is not off", "none"});
   Precompute precompute(scene, key.stage->tracer, params, {}, progress);
-  const bool can_keep = earlier != nullptr && earlier->key.stage == key.stage &&
-                        earlier->key.eta == key.eta &&
-                        has_same_kinds(earlier->key.lighting, key.lighting);
+  const bool can_keep =
+      earlier != nullptr && earlier->key.stage == key.stage && earlier->key.eta == key.eta;
   auto ready = std::make_shared<ReadyTransport>(ReadyTransport{.key = key, .transport = nullptr});
   if (!can_keep) {
     while (!precompute.is_done())
@@ -125,21 +119,33 @@ std::shared_ptr<const ReadyTransport> make_ready_transport(const TransportKey& k
     return ready;
   }
   auto transport = std::make_shared<HomogeneousTransport>(*earlier->transport);
-  const Lighting& then = earlier->key.lighting;
-  std::size_t light = 0;
-  const auto renew = [&](bool is_kept, double& factor, double old_factor) {
-    if (is_kept)
-      factor = old_factor;  // the kept transport is of the old brightness
-    else
-      transport->lights[light] = precompute.compute(light, scene.lights[light], progress);
-    ++light;
-  };
-  Lighting& now = ready->key.lighting;
-  if (has_environment(now))
-    renew(is_same_environment(then, now), now.environment, then.environment);
-  if (now.lamp > 0) renew(is_same_lamp(then, now), now.lamp, then.lamp);
+  transport->lights.clear();
+  for (std::size_t i = 0; i < key.lighting.size(); ++i) {
+    StageLight& light = ready->key.lighting[i];
+    const Lighting& then = earlier->key.lighting;
+    const auto kept = std::find_if(then.begin(), then.end(), [&](const StageLight& old) {
+      return is_same_place(old, light);
+    });
+    if (kept != then.end()) {
+      const auto index = static_cast<std::size_t>(kept - then.begin());
+      transport->lights.push_back(earlier->transport->lights[index]);
+      light.power = kept->power;  // what is kept is of the old strength
+    } else {
+      transport->lights.push_back(precompute.compute(
+          i, scene.lights[i], count_lights(progress, i, scene.lights.size())));
+    }
+  }
   ready->transport = std::move(transport);
   return ready;
+}
+
+TransportKey make_transport_key(const Studio& studio) {
+  return {studio.stage, only_enabled(studio.lighting), studio.homogeneous.eta};
+}
+
+bool can_use_transport(const Studio& studio) {
+  return studio.use_transport && studio.is_homogeneous && studio.stage != nullptr &&
+         shown_layers(studio).empty();
 }
 
 void update_transport(Studio& studio) {
@@ -149,9 +155,9 @@ void update_transport(Studio& studio) {
     studio.transport_under_way.reset();
     studio.use_transport = false;
   }
-  const bool wanted = studio.use_transport && studio.is_homogeneous && studio.stage != nullptr;
-  const TransportKey key{studio.stage, studio.lighting, studio.homogeneous.eta};
-  const bool has_lights = has_environment(key.lighting) || key.lighting.lamp > 0;
+  const bool wanted = can_use_transport(studio);
+  const TransportKey key = make_transport_key(studio);
+  const bool has_lights = !key.lighting.empty();
   if (runs && (!wanted || !is_same_target(*studio.transport_under_way, key))) {
     studio.transport_under_way.reset();
     studio.jobs.cancel("transport");

@@ -1,7 +1,7 @@
 // Precomputed transport of the stage for homogeneous materials (Xu et al. 2007): made in the
 // background while nothing moves, after which an edit of the coefficients is one pass over the
-// vertices. When a light turns only that light is computed anew; brighter and darker lights are
-// factors.
+// vertices. When a light turns or is added only that light is computed anew; other colours and
+// strengths are factors. Not under layers.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@ namespace parian {
 // What transport depends on.
 struct TransportKey {
   std::shared_ptr<const Stage> stage;
-  Lighting lighting;
+  Lighting lighting;  // those that are on
   double eta = 1.3;
 };
 
@@ -43,6 +43,9 @@ std::shared_ptr<const ReadyTransport> make_ready_transport(const TransportKey& k
                                                            const Progress& progress);
 
 struct Studio;
+TransportKey make_transport_key(const Studio& studio);
+// A homogeneous material without layers, and the user has not switched it off.
+bool can_use_transport(const Studio& studio);
 // Starts and stops the job as the present state needs it; once a frame.
 void update_transport(Studio& studio);
 

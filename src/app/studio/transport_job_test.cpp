@@ -15,7 +15,9 @@ TransportKey make_key() {
   TransportKey key{make_stage(std::move(scene)), {}, 1.3};
   Image sky = make_image(8, 4, 3, 0.5f);
   at(sky, 2, 1, 0) = 3;
-  key.lighting.image = std::make_shared<const Image>(std::move(sky));
+  key.lighting = {take_light(EnvironmentLight{.image = std::move(sky)}),
+                  {.place = direction_of(45, 40), .power = {1, 0.5f, 0}},
+                  {.kind = LightKind::point, .place = {0, 30, 10}, .power = {900, 900, 900}}};
   return key;
 }
 
@@ -23,21 +25,22 @@ TEST(TransportJob, BrightnessIsAFactorAndPlacesAreNot) {
   const TransportKey key = make_key();
   const ReadyTransport ready{.key = key, .transport = nullptr};
   TransportKey wanted = key;
-  wanted.lighting.lamp *= 2;
-  wanted.lighting.environment /= 4;
+  wanted.lighting[1].power *= 2;
+  wanted.lighting[0].power.y /= 4;
   const auto scales = find_light_scales(ready, wanted);
   ASSERT_TRUE(scales);
-  ASSERT_EQ(scales->size(), 2u);
-  EXPECT_EQ((*scales)[0].x, 0.25f);
-  EXPECT_EQ((*scales)[1].x, 2.0f);
+  EXPECT_EQ(*scales, (std::vector<Rgb>{{1, 0.25f, 1}, {2, 2, 1}, {1, 1, 1}}));
   const auto differs = [&](auto change) {
     TransportKey other = key;
     change(other);
     return !find_light_scales(ready, other);
   };
-  EXPECT_TRUE(differs([](TransportKey& k) { k.lighting.azimuth_deg += 1; }));
-  EXPECT_TRUE(differs([](TransportKey& k) { k.lighting.rotation_deg += 1; }));
-  EXPECT_TRUE(differs([](TransportKey& k) { k.lighting.lamp = 0; }));
+  EXPECT_TRUE(differs([](TransportKey& k) { turn_light(k.lighting[1], 1, 0, {}); }));
+  EXPECT_TRUE(differs([](TransportKey& k) { k.lighting[2].place.y += 1; }));
+  EXPECT_TRUE(differs([](TransportKey& k) { k.lighting[0].rotation_deg += 1; }));
+  EXPECT_TRUE(differs([](TransportKey& k) { k.lighting[1].power.z = 1; }));  // was dark
+  EXPECT_TRUE(differs([](TransportKey& k) { k.lighting.pop_back(); }));
+  EXPECT_TRUE(differs([](TransportKey& k) { std::swap(k.lighting[0], k.lighting[1]); }));
   EXPECT_TRUE(differs([](TransportKey& k) { k.eta = 1.4; }));
   EXPECT_TRUE(differs([](TransportKey& k) { k.stage = make_key().stage; }));
 }
@@ -56,17 +59,20 @@ TEST(TransportJob, OneLightAnewIsAsIfAllWere) {
   const TransportKey key = make_key();
   const auto first = make_ready_transport(key, make_params(), nullptr, {});
   TransportKey turned = key;
-  turned.lighting.azimuth_deg += 30;
-  turned.lighting.environment *= 3;  // kept as it was: a factor
+  turn_light(turned.lighting[1], 30, 0, {});
+  turned.lighting[0].power *= 3;         // kept as it was: a factor
+  turned.lighting.erase(turned.lighting.begin() + 2);
+  std::swap(turned.lighting[0], turned.lighting[1]);
   const auto kept = make_ready_transport(turned, make_params(), first.get(), {});
   const auto anew = make_ready_transport(turned, make_params(), nullptr, {});
-  EXPECT_EQ(kept->transport->lights[1].multiple.half, anew->transport->lights[1].multiple.half);
-  EXPECT_EQ(kept->transport->lights[1].single.half, anew->transport->lights[1].single.half);
-  EXPECT_EQ(kept->transport->lights[0].multiple.half, first->transport->lights[0].multiple.half);
+  ASSERT_EQ(kept->transport->lights.size(), 2u);
+  EXPECT_EQ(kept->transport->lights[0].multiple.half, anew->transport->lights[0].multiple.half);
+  EXPECT_EQ(kept->transport->lights[0].single.half, anew->transport->lights[0].single.half);
+  EXPECT_EQ(kept->transport->lights[1].multiple.half, first->transport->lights[0].multiple.half);
   const auto scales = find_light_scales(*kept, turned);
   ASSERT_TRUE(scales);
-  EXPECT_NEAR((*scales)[0].x, 3, 1e-6);
-  EXPECT_EQ((*scales)[1].x, 1.0f);
+  EXPECT_NEAR((*scales)[1].x, 3, 1e-6);
+  EXPECT_EQ((*scales)[0].x, 1.0f);
 }
 
 TEST(TransportJob, CancelledByTheUserItStaysOff) {
@@ -85,7 +91,7 @@ TEST(TransportJob, CancelledByTheUserItStaysOff) {
   studio.use_transport = true;
   update_transport(studio);
   ASSERT_TRUE(studio.jobs.is_running("transport"));
-  studio.lighting.azimuth_deg += 5;
+  turn_light(studio.lighting[0], 5, 0, {});
   update_transport(studio);
   EXPECT_FALSE(studio.jobs.is_running("transport"));
   EXPECT_TRUE(studio.use_transport);

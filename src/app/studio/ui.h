@@ -19,8 +19,10 @@ struct FileDialog {
   enum class Action {
     open,
     open_second,
+    open_layer,
     open_photograph,
     save_recipe,
+    save_scene,
     save_map,
     save_picture,
     save_blend
@@ -60,6 +62,7 @@ void draw_notice(Ui& ui, const PanelBox& view);
 void draw_layers(Ui& ui);
 void draw_material(Ui& ui);
 void draw_light(Ui& ui);
+void draw_surface(Ui& ui);
 void draw_compression(Ui& ui);
 void draw_history(Ui& ui);
 void draw_statistics(Ui& ui);
