@@ -73,8 +73,8 @@ Scene make_fin_scene() {
 Scene make_layered_scene() {
   Scene scene = make_dragon("dragon-100250.ply", Material(make_marble()), 480, 360);
   SurfaceLayer layer;
-  layer.material = std::make_shared<const Material>(
-      Dipole{{{0.02, 1.5, 0}, {0.4, 1.2, 0}, {0.9, 1.0, 0}}, 1.3});
+  layer.material =
+      std::make_shared<const Material>(Dipole{{{0.02, 1.5, 0}, {0.4, 1.2, 0}, {0.9, 1.0, 0}}, 1.3});
   const Bounds3 box = bounds(scene.mesh);
   layer.mask = {{GradientMask{box.lower, box.upper}}};
   scene.layers = {layer};

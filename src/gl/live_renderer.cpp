@@ -203,6 +203,10 @@ void LiveRenderer::set_camera(const Camera& camera) {
   impl.vertices_are_old = impl.vertices_are_old || impl.has_single;
 }
 
+void LiveRenderer::set_exposure(double stops) {
+  impl_->scene.exposure = stops;
+}
+
 void LiveRenderer::draw(bool timed) {
   Impl& impl = *impl_;
   PARIAN_CHECK(!impl.coefficients.multiple.empty());

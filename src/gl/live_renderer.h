@@ -56,6 +56,7 @@ class LiveRenderer {
   // A light that was turned or moved, with its new transport (transport/live_transport.h).
   void set_light(std::size_t index, const Light& light, const LightTransport& transport);
   void set_camera(const Camera& camera);
+  void set_exposure(double stops);
 
   // Linear radiance times 2^exposure into a texture; read() copies it, averaged over the n x n
   // pixels. `timed`: waits after each stage and fills the report.

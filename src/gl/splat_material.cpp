@@ -65,8 +65,8 @@ void SplatRenderer::Impl::set_material(const Material& next) {
       make_material_textures(is_layered ? nullptr : std::get_if<ProfileBlend>(&next), field, radial,
                              area_mm2, near.near_mm));
   tables = make_splat_tables(radial, material->reference, near, area_mm2);
-  const bool same_sources = same_boundary && same_grid && radial.count == old_levels &&
-                            was_layered == is_layered;
+  const bool same_sources =
+      same_boundary && same_grid && radial.count == old_levels && was_layered == is_layered;
   if (!same_sources) place_samples();
   if (!same_sources && same_boundary) put_flux();
   make_material_programs();

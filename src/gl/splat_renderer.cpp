@@ -218,6 +218,10 @@ void SplatRenderer::set_camera(const Camera& camera) {
   impl_->geometry_is_drawn = false;
 }
 
+void SplatRenderer::set_exposure(double stops) {
+  impl_->scene.exposure = stops;
+}
+
 void SplatRenderer::draw(bool timed, const Progress& progress) {
   Impl& impl = *impl_;
   Stopwatch watch;

@@ -81,6 +81,7 @@ class SplatRenderer {
   void set_material(const Material& material, const std::vector<SurfaceLayer>& layers);
   void set_lights(const std::vector<Light>& lights, const Progress& progress = {});
   void set_camera(const Camera& camera);
+  void set_exposure(double stops);
 
   // Linear radiance times 2^exposure into textures of its own; read() copies it, averaged over the
   // n x n pixels. `timed`: waits after each stage, fills the report, and can be cancelled.

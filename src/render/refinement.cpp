@@ -359,6 +359,15 @@ void Refinement::set_camera(const Camera& camera) {
   impl_->forget_view();
 }
 
+void Refinement::set_exposure(double stops) {
+  Impl& impl = *impl_;
+  impl.scene.exposure = stops;
+  if (!impl.shader) return;
+  impl.shader.emplace(impl.scene, *impl.tracer, *impl.view, impl.exitance, impl.params.render);
+  const std::size_t shaded = impl.pass == 0 ? impl.tile : impl.tiles.size();
+  for (std::size_t i = 0; i < shaded; ++i) impl.shade(impl.tiles[i]);
+}
+
 bool Refinement::is_done() const {
   return impl_->single && impl_->pass == impl_->passes.size();
 }

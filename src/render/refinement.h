@@ -55,6 +55,8 @@ class Refinement {
   void set_material(const SurfaceMaterial& material, const std::vector<SurfaceLayer>& layers);
   void set_lights(const std::vector<Light>& lights);
   void set_camera(const Camera& camera);
+  // What was gathered stays: the picture is shaded anew at once.
+  void set_exposure(double stops);
 
   bool is_done() const;
   // One stage of the preparation, or one tile. Throws as render does; a step that throws, also on

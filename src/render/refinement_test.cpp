@@ -174,6 +174,29 @@ TEST(Refinement, ChangesLeaveNothingBehind) {
   expect_like_a_new_one();
 }
 
+// At once, also in the middle of a pass, and the background stays as it is.
+TEST(Refinement, ExposureIsShadedAnew) {
+  Scene scene = make_striped_scene();
+  scene.background = {0.1f, 0.2f, 0.3f};
+  const RefinementParams params = few_params();
+  const auto advance = [&](Refinement& refinement, int steps) {
+    for (int i = 0; i < steps && !refinement.is_done(); ++i) refinement.advance();
+  };
+  for (const int steps : {0, 3, 8, 1000}) {
+    Refinement changed(scene, params);
+    advance(changed, steps);
+    changed.set_exposure(1.5);
+    Scene brighter = scene;
+    brighter.exposure = 1.5;
+    Refinement fresh(brighter, params);
+    advance(fresh, steps);
+    EXPECT_EQ(changed.image().values, fresh.image().values) << steps;
+    finish(changed);
+    finish(fresh);
+    EXPECT_EQ(changed.image().values, fresh.image().values) << steps;
+  }
+}
+
 TEST(Refinement, LayersAndSingleScatteringAreThoseOfRender) {
   Scene scene = make_striped_scene();
   SurfaceLayer layer;
@@ -190,8 +213,7 @@ TEST(Refinement, LayersAndSingleScatteringAreThoseOfRender) {
   finish(layered);
   EXPECT_LT(largest_error(layered.image(), render_brute(scene, params)), 2e-5);
   SurfaceLayer other = layer;
-  other.material = std::make_shared<const Material>(
-      make_uniform_map(2, 0.4, Boundary::excluded));
+  other.material = std::make_shared<const Material>(make_uniform_map(2, 0.4, Boundary::excluded));
   EXPECT_THROW(layered.set_material(scene.material, {other}), Error);
   scene.layers.clear();
   layered.set_material(scene.material, {});

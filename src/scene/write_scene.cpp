@@ -76,8 +76,7 @@ Document write_below(const std::vector<DipoleLayer>& layers) {
 void write_gain(Document& node, const char* key, const CurveGain& gain) {
   if (gain.empty()) return;
   Document::Array points;
-  for (const CurvePoint& point : gain)
-    points.emplace_back(Document::Array{point.mm, point.factor});
+  for (const CurvePoint& point : gain) points.emplace_back(Document::Array{point.mm, point.factor});
   set(node, key, std::move(points));
 }
 
@@ -169,8 +168,7 @@ struct WriteMask {
 Document write_mask(const SurfaceMask& mask) {
   Document::Array terms;
   for (const MaskTerm& term : mask) {
-    Document node =
-        std::visit([](const auto& shape) { return write_numbers(shape); }, term.shape);
+    Document node = std::visit([](const auto& shape) { return write_numbers(shape); }, term.shape);
     std::visit(WriteMask{node}, term.shape);
     if (term.invert) set(node, "invert", true);
     terms.push_back(std::move(node));

@@ -44,9 +44,8 @@ Document make_masks() {
                {"up", array({0, 3, 1})},
                {"width_mm", 4},
                {"facing", false}}),
-       object({{"type", "projected"},
-               {"center", array({1, 2, 3})},
-               {"direction", array({0, 0, 1})}}),
+       object(
+           {{"type", "projected"}, {"center", array({1, 2, 3})}, {"direction", array({0, 0, 1})}}),
        object({{"type", "gradient"}, {"from", array({0, 0, 0})}, {"to", array({0.7, 9, 0})}}),
        object({{"type", "sphere"}, {"center", array({1, 2, 3})}, {"radius_mm", 4}}),
        object({{"type", "slab"}, {"point", array({1, 2, 3})}, {"direction", array({1, 4, 0})}}),
@@ -59,8 +58,7 @@ Document make_description(Document material, Document below = array({})) {
   return object(
       {{"mesh", object({{"shape", "box"}, {"size_mm", 10}, {"rotation_deg", array({0, 30, 0.1})}})},
        {"material", std::move(material)},
-       {"mapping",
-        object({{"kind", "uv"}, {"uv_size_mm", 3}, {"offset_mm", array({0.1, -2})}})},
+       {"mapping", object({{"kind", "uv"}, {"uv_size_mm", 3}, {"offset_mm", array({0.1, -2})}})},
        {"layers", std::move(below)},
        {"specular", object({{"roughness", 0.1}, {"eta", 1.7}})},
        {"camera", object({{"position", array({10.1, 20, 30})},
@@ -70,34 +68,34 @@ Document make_description(Document material, Document below = array({})) {
                           {"width", 64},
                           {"height", 48}})},
        {"lights",
-        array({object({{"type", "directional"},
-                       {"direction", array({0.3, 0.7, -0.2})},
-                       {"irradiance", array({0.1, 0.2, 0.3})}}),
-               object({{"type", "directional"}, {"direction", array({0, 0, 9})}, {"enabled", false}}),
-               object({{"type", "point"},
-                       {"position", array({0.1, 22, 3})},
-                       {"intensity", 1234.5}}),
-               object({{"type", "environment"}, {"sky", "clear"}, {"rotation_deg", 12.5}}),
-               object({{"type", "environment"},
-                       {"file", "e.hdr"},
-                       {"scale", array({1, 2, 3})},
-                       {"enabled", false}})})},
+        array(
+            {object({{"type", "directional"},
+                     {"direction", array({0.3, 0.7, -0.2})},
+                     {"irradiance", array({0.1, 0.2, 0.3})}}),
+             object({{"type", "directional"}, {"direction", array({0, 0, 9})}, {"enabled", false}}),
+             object({{"type", "point"}, {"position", array({0.1, 22, 3})}, {"intensity", 1234.5}}),
+             object({{"type", "environment"}, {"sky", "clear"}, {"rotation_deg", 12.5}}),
+             object({{"type", "environment"},
+                     {"file", "e.hdr"},
+                     {"scale", array({1, 2, 3})},
+                     {"enabled", false}})})},
        {"exposure", -0.7},
        {"background", "environment"},
        {"output", "p.png"}});
 }
 
 Document make_layers() {
-  return array({object({{"name", "spot"},
-                        {"material", object({{"file", "m.h5"}})},
-                        {"mapping", object({{"scale", 1.1}, {"rotation_deg", 5}})},
-                        {"mask", make_masks()},
-                        {"opacity", 0.1},
-                        {"albedo", 0.2},
-                        {"range", 0.3},
-                        {"shape", 0.4}}),
-                object({{"material", object({{"sigma_a", 0.1}, {"sigma_s_prime", 2}, {"eta", 1.4}})},
-                        {"enabled", false}})});
+  return array(
+      {object({{"name", "spot"},
+               {"material", object({{"file", "m.h5"}})},
+               {"mapping", object({{"scale", 1.1}, {"rotation_deg", 5}})},
+               {"mask", make_masks()},
+               {"opacity", 0.1},
+               {"albedo", 0.2},
+               {"range", 0.3},
+               {"shape", 0.4}}),
+       object({{"material", object({{"sigma_a", 0.1}, {"sigma_s_prime", 2}, {"eta", 1.4}})},
+               {"enabled", false}})});
 }
 
 Scene read(const Document& document) {
@@ -164,8 +162,9 @@ TEST(WriteScene, IsReadBackToTheBit) {
                                 {"thickness_mm", 0.7},
                                 {"below", array({object({{"sigma_a", 1}, {"sigma_s_prime", 3}})})},
                                 {"reflectance_gain", array({array({0, 2}), array({1.5, 0.5})})}});
-  const Document single =
-      object({{"named", "marble"}, {"single_scattering", true}, {"attenuation_gain", array({array({0, 2})})}});
+  const Document single = object({{"named", "marble"},
+                                  {"single_scattering", true},
+                                  {"attenuation_gain", array({array({0, 2})})}});
   for (const Document& description :
        {make_description(slab, make_layers()), make_description(single),
         make_description(object({{"file", "base.h5"}}), make_layers())}) {
@@ -176,8 +175,8 @@ TEST(WriteScene, IsReadBackToTheBit) {
 }
 
 TEST(WriteScene, NumbersAreThoseOfTheDescription) {
-  const Document written = write_scene(
-      read(make_description(object({{"file", "base.h5"}}), make_layers())));
+  const Document written =
+      write_scene(read(make_description(object({{"file", "base.h5"}}), make_layers())));
   EXPECT_EQ(as_numbers(get(get(written, "camera"), "position")),
             (std::vector<double>{10.1, 20, 30}));
   const Document& lights = get(written, "lights");
@@ -193,7 +192,8 @@ TEST(WriteScene, NumbersAreThoseOfTheDescription) {
 }
 
 TEST(WriteScene, WhatIsOffIsLeftOutOfPictures) {
-  const Scene scene = read_scene(make_description(object({{"file", "m.h5"}}), make_layers()), loaders());
+  const Scene scene =
+      read_scene(make_description(object({{"file", "m.h5"}}), make_layers()), loaders());
   EXPECT_EQ(scene.lights.size(), 3u);
   ASSERT_EQ(scene.layers.size(), 1u);
   EXPECT_EQ(scene.layers[0].material_name, "spot");
@@ -220,10 +220,9 @@ TEST(WriteScene, WhatIsFromNoFileIsAnError) {
             "expected a mesh from a file, found one without");
   EXPECT_EQ(error_of([](Scene& s) { std::get<EnvironmentLight>(s.lights[3]).sky.clear(); }),
             "expected an environment from a file, found one without");
-  EXPECT_EQ(error_of([](Scene& s) {
-              std::get<TextureMask>(s.layers[0].mask[1].shape).file.clear();
-            }),
-            "expected a mask's image from a file, found one without");
+  EXPECT_EQ(
+      error_of([](Scene& s) { std::get<TextureMask>(s.layers[0].mask[1].shape).file.clear(); }),
+      "expected a mask's image from a file, found one without");
 }
 
 }  // namespace

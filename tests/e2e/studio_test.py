@@ -4,7 +4,8 @@
 usage: studio_test.py PARIAN SOURCE_DIR [--keep FOLDER]
 
 Opens, orbits, scribbles, changes the range, undoes, picks, paints, stamps, compresses, saves, meets
-broken files and tiny windows, crashes and recovers. With --keep screenshots stay in FOLDER.
+broken files and tiny windows, crashes and recovers; then a scene with layers and several lights is
+opened, changed, saved and rendered by the command line. With --keep screenshots stay in FOLDER.
 """
 
 import json
@@ -16,6 +17,7 @@ import sys
 import tempfile
 import time
 
+from png import mean_difference
 from studio_driver import TIMEOUT, Display, Studio
 
 WIDTH, HEIGHT = 1280, 720
@@ -417,6 +419,89 @@ def third_session(program, display, folder):
         studio.stop()
 
 
+def write_layered_scene(source_dir, folder):
+    scene = json.loads((source_dir / "examples/scenes/knot-layers.json").read_text())
+    del scene["$schema"]
+    scene["mesh"] = {"file": "ball.ply", "size_mm": 60}
+    scene["lights"] += [
+        {"type": "directional", "direction": [1, 1, 1], "irradiance": [0.5, 0.4, 0.3]},
+        {"type": "point", "position": [-60, 60, 60], "intensity": [800, 1600, 3200]},
+    ]
+    (folder / "layered.json").write_text(json.dumps(scene))
+
+
+def check_surface(studio):
+    """Layers and lights of the scene are switched, and undone."""
+    before = studio.settle()
+    assert [layer["name"] for layer in before["surface"]] == ["jade", "red wax"], before["surface"]
+    assert [light["kind"] for light in before["lights"]] == ["environment", "lamp", "point light"]
+    studio.click("tab/Surface")
+    studio.click("surface/0/on")
+    studio.until(lambda s: not s["surface"][0]["enabled"], "layer that is off")
+    after = studio.settle()
+    assert abs(after["brightness"] - before["brightness"]) > 0.5, after["brightness"]
+    studio.key("ctrl+z")
+    studio.until(lambda s: s["surface"][0]["enabled"], "layer that is on again")
+    assert abs(studio.settle()["brightness"] - before["brightness"]) < 0.01
+    studio.key("ctrl+y")
+    studio.until(lambda s: not s["surface"][0]["enabled"], "layer that is off again")
+    studio.click("surface/1", u=0.3)
+    studio.set_number("param/opacity", "0.5")
+    studio.until(lambda s: s["surface"][1]["opacity"] == 0.5, "half a layer")
+    studio.screenshot("surface")
+    studio.click("tab/Light")
+    studio.click("light/1", u=0.3)
+    azimuth = studio.settle()["azimuth_deg"]
+    studio.drag("view", [(0.5, 0.5), (0.6, 0.5)], button=3)
+    assert studio.settle()["azimuth_deg"] != azimuth
+    studio.click("light/2/on")
+    studio.until(lambda s: not s["lights"][2]["enabled"], "point light that is off")
+    studio.click("add light")
+    studio.click("add light/lamp")
+    studio.until(lambda s: len(s["lights"]) == 4, "another lamp")
+    studio.screenshot("lights")
+
+
+def fourth_session(program, display, source_dir, folder, figures):
+    """A scene with layers: changed, saved, rendered by the command line, opened again."""
+    write_layered_scene(source_dir, folder)
+    studio = Studio(program, display, folder, [folder / "layered.json"], width=WIDTH, height=HEIGHT)
+    try:
+        studio.message("opened layered.json")
+        studio.choose("still", "fine")
+        studio.settle()
+        studio.menu("file", "export picture")
+        studio.in_file_dialog(folder, "before.png")
+        check_surface(studio)
+        saved = studio.settle()
+        studio.menu("file", "export picture")
+        studio.in_file_dialog(folder, "after.png")
+        studio.menu("file", "save scene as")
+        studio.in_file_dialog(folder, "saved.json")
+        studio.message("saved.json")
+        studio.settle()
+        for name in ["layered.json", "saved.json"]:
+            count = len(studio.state()["messages"])
+            studio.key("ctrl+o")
+            studio.in_file_dialog(folder, name)
+            studio.until(lambda s: any(f"opened {name}" in m for m in s["messages"][count:]), name)
+        state = studio.settle()
+        for key in ["surface", "lights", "homogeneous", "sigma_a"]:
+            assert state[key] == saved[key], (key, state[key], saved[key])
+        for key in ["yaw_deg", "distance_mm", "rotation_deg"]:
+            assert abs(state[key] - saved[key]) < 1e-3, (key, state[key], saved[key])
+        studio.key_to_end("ctrl+q")
+    finally:
+        studio.stop()
+    scene = json.loads((folder / "saved.json").read_text())
+    assert scene["mesh"] == {"file": "ball.ply", "size_mm": 60}, scene["mesh"]
+    subprocess.run([program, "render", folder / "saved.json", "-o", folder / "rendered.png",
+                    "--method", "splat", "--samples", "16000", "--quiet"], check=True)
+    figures["rendered_difference"] = mean_difference(folder / "rendered.png", folder / "after.png")
+    changed = mean_difference(folder / "before.png", folder / "after.png")
+    assert figures["rendered_difference"] < 0.2 * changed, (figures, changed)
+
+
 def main():
     program, source_dir = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
     keep = pathlib.Path(sys.argv[4]) if sys.argv[3:4] == ["--keep"] else None
@@ -429,6 +514,7 @@ def main():
             first_session(program, display, folder, figures)
             second_session(program, display, folder)
             third_session(program, display, folder)
+            fourth_session(program, display, source_dir, folder, figures)
             check_recipe(program, source_dir, folder)
         finally:
             display.stop()

@@ -107,6 +107,12 @@ TEST(Splat, LayersFollowMaterialAndCamera) {
   SplatRenderer fresh(context.limits(), other, params);
   fresh.draw();
   EXPECT_EQ(second.values, fresh.read().values);
+  renderer.set_exposure(1);
+  renderer.draw();
+  const Image brighter = renderer.read();
+  for (std::size_t i = 0; i < second.values.size(); ++i)
+    EXPECT_FLOAT_EQ(brighter.values[i], 2 * second.values[i]);  // before black
+  renderer.set_exposure(0);
   renderer.set_camera(scene.camera);
   renderer.set_material(std::get<Material>(scene.material));
   renderer.draw();

@@ -228,8 +228,8 @@ void open_second(Studio& studio, const std::string& path) {
     second->path = whole;
     const Material material = load_map_or_blend(whole);
     const auto* blend = std::get_if<ProfileBlend>(&material);
-    auto map = std::make_shared<ProfileMap>(
-        blend != nullptr ? make_profile_map(*blend) : std::get<ProfileMap>(material));
+    auto map = std::make_shared<ProfileMap>(blend != nullptr ? make_profile_map(*blend)
+                                                             : std::get<ProfileMap>(material));
     second->state = make_edit_state(*map);
     second->map = std::move(map);
     return [&studio, second] {

@@ -162,7 +162,7 @@ void draw_flat_view(Ui& ui) {
   draw_flat_options(ui);
   if (studio.flat_picture == nullptr) return;
   if (ui.flat_id != studio.flat_id) {
-    ui.flat.upload(encode_picture(*studio.flat_picture, 0), studio.flat_picture->width,
+    ui.flat.upload(encode_picture(*studio.flat_picture), studio.flat_picture->width,
                    studio.flat_picture->height, /*smooth=*/false);
     ui.flat_id = studio.flat_id;
   }

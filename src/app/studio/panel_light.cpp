@@ -12,15 +12,16 @@ namespace parian {
 namespace {
 
 constexpr std::size_t most_lights = 64;  // of a scene description
-constexpr double darkest = 1e-3;         // of the strength sliders: off is a switch of its own
+// Of the strength sliders; off is a switch of its own.
+constexpr double darkest = 1e-3, strongest = 10;
 
 std::string name_of(const StageLight& light, std::size_t index) {
   std::string name =
       fmt::format("{} {}", light_kind_names()[static_cast<std::size_t>(light.kind)], index + 1);
   if (light.kind != LightKind::environment) return name;
-  const std::string source =
-      light.sky->sky.empty() ? std::filesystem::path(light.sky->file).filename().string()
-                             : light.sky->sky;
+  const std::string source = light.sky->sky.empty()
+                                 ? std::filesystem::path(light.sky->file).filename().string()
+                                 : light.sky->sky;
   return source.empty() ? name : fmt::format("{}: {}", name, source);
 }
 
@@ -32,8 +33,7 @@ void draw_row(Ui& ui, std::size_t i) {
   mark(ui.probe, fmt::format("light/{}/on", i));
   explain("on or off");
   ImGui::SameLine();
-  const float room =
-      std::max(1.0f, ImGui::GetContentRegionAvail().x - ImGui::GetFrameHeight() - 6);
+  const float room = std::max(1.0f, ImGui::GetContentRegionAvail().x - ImGui::GetFrameHeight() - 6);
   ImGui::AlignTextToFramePadding();
   if (ImGui::Selectable(name_of(light, i).c_str(), studio.selected_light == i, 0, {room, 0}))
     studio.selected_light = i;
@@ -94,8 +94,9 @@ bool slide(Ui& ui, const char* label, double& value, double low, double high, co
   return changed;
 }
 
-// The power is a colour whose largest channel is 1, times the strength.
-bool draw_power(Ui& ui, StageLight& light, double strongest) {
+// The power is a colour whose largest channel is 1, times the strength, times the unit that the
+// strength is shown in.
+bool draw_power(Ui& ui, StageLight& light, double unit) {
   const float most = std::max({light.power.x, light.power.y, light.power.z});
   float color[3] = {1, 1, 1};
   if (most > 0) {
@@ -103,9 +104,11 @@ bool draw_power(Ui& ui, StageLight& light, double strongest) {
     color[1] = light.power.y / most;
     color[2] = light.power.z / most;
   }
-  auto strength = static_cast<double>(most);
-  bool changed = slide(ui, "strength", strength, darkest * strongest, strongest, "%.3g",
-                       ImGuiSliderFlags_Logarithmic);
+  double strength = static_cast<double>(most) / unit;
+  bool changed =
+      slide(ui, "strength", strength, darkest, strongest, "%.3f", ImGuiSliderFlags_Logarithmic);
+  explain(light.kind == LightKind::environment ? "factor of its image"
+                                               : "irradiance at the middle of the object");
   if (ImGui::ColorEdit3("colour", color, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR)) {
     const float brightest = std::max({color[0], color[1], color[2], 1e-3f});
     for (float& channel : color) channel = std::max(0.0f, channel / brightest);
@@ -114,7 +117,7 @@ bool draw_power(Ui& ui, StageLight& light, double strongest) {
   mark(ui.probe, "light/colour");
   explain("linear Rec. 709; the brightest channel is 1");
   if (changed)
-    light.power = Rgb{color[0], color[1], color[2]} * static_cast<float>(strength);
+    light.power = Rgb{color[0], color[1], color[2]} * static_cast<float>(strength * unit);
   return changed;
 }
 
@@ -124,8 +127,7 @@ bool draw_lamp(Ui& ui, StageLight& light) {
   const Vec3 middle = center(stage.box);
   LightAngles angles = angles_of(light, middle);
   const double size = static_cast<double>(length(extent(stage.box)));
-  // A point light is as strong at the object as a lamp of the same slider.
-  bool changed = draw_power(ui, light, is_point ? 10 * std::pow(2 * size, 2) : 10);
+  bool changed = draw_power(ui, light, is_point ? std::pow(angles.distance_mm, 2) : 1);
   bool turned = slide(ui, "azimuth", angles.azimuth_deg, -180, 180, "%.0f°");
   turned |= slide(ui, "elevation", angles.elevation_deg, -89, 89, "%.0f°");
   if (is_point)
@@ -148,7 +150,7 @@ void draw_light(Ui& ui) {
     StageLight& light = studio.lighting[studio.selected_light];
     bool changed = false;
     if (light.kind == LightKind::environment) {
-      changed = draw_power(ui, light, 10);
+      changed = draw_power(ui, light, 1);
       changed |= slide(ui, "rotation", light.rotation_deg, -180, 180, "%.0f°");
       ImGui::TextWrapped("Open or drop an EXR or HDR file for another environment.");
     } else {

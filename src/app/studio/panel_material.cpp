@@ -23,9 +23,9 @@ bool draw_channels(Ui& ui, const char* label, Dipole& material, double DipoleCoe
     ImGui::PushStyleColor(ImGuiCol_SliderGrab, colors[c]);
     ImGui::SetNextItemWidth(
         std::max(40.0f, ImGui::GetContentRegionAvail().x - 1.5f * ImGui::GetFontSize()));
-    changed |= ImGui::SliderScalar(channels[c], ImGuiDataType_Double,
-                                   &(material.channels[c].*value), &low, &high, format,
-                                   is_logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+    changed |=
+        ImGui::SliderScalar(channels[c], ImGuiDataType_Double, &(material.channels[c].*value), &low,
+                            &high, format, is_logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
     ImGui::PopStyleColor();
     mark(ui.probe, fmt::format("{}/{}", label, channels[c]));
   }

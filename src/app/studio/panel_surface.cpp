@@ -1,4 +1,5 @@
-// Layers of other materials over the one that is edited: what they are, how much of them, and where.
+// Layers of other materials over the one that is edited: what they are, how much of them, and
+// where.
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -106,7 +107,9 @@ struct DrawMask {
     return draw_direction(ui, "direction", mask.direction) || moved;
   }
   bool operator()(NoiseMask&) const { return false; }
-  bool operator()(StripesMask& mask) const { return draw_direction(ui, "direction", mask.direction); }
+  bool operator()(StripesMask& mask) const {
+    return draw_direction(ui, "direction", mask.direction);
+  }
 
   static bool draw_file(const std::string& file) {
     ImGui::TextWrapped("%s", file.c_str());

@@ -54,7 +54,8 @@ Image splat(Splatter& splatter, const GlLimits& limits, const PictureRequest& re
   if (splatter.renderer == nullptr || splatter.stage != request.stage) {
     splatter.renderer.reset();
     splatter.renderer = std::make_unique<SplatRenderer>(
-        limits, make_scene(*request.stage, *material, request.layers, request.lighting, request.camera),
+        limits,
+        make_scene(*request.stage, *material, request.layers, request.lighting, request.camera),
         splat_params(request.fine), progress);
     splatter.stage = request.stage;
   } else {
@@ -72,6 +73,7 @@ Image splat(Splatter& splatter, const GlLimits& limits, const PictureRequest& re
   splatter.material = material;
   splatter.layers = request.layers;
   splatter.lighting = request.lighting;
+  splatter.renderer->set_exposure(request.exposure);
   splatter.renderer->draw(true, progress);
   return splatter.renderer->read();
 }
@@ -107,6 +109,7 @@ Image draw_live(Live& live, const GlLimits& limits, const PictureRequest& reques
     live.camera = request.camera;
   }
   if (!(live.lighting == request.lighting)) set_brightness(live, request);
+  live.renderer->set_exposure(request.exposure);
   live.renderer->draw(true);
   return live.renderer->read();
 }
@@ -167,10 +170,10 @@ Image PictureDrawer::Impl::shade(const PictureRequest& request,
       leave_device(error);
     }
   }
-  const RenderResult result =
-      render(make_scene(*request.stage, *material, request.layers, request.lighting,
-                        request.camera),
-             cpu_params(request.fine), progress);
+  Scene scene =
+      make_scene(*request.stage, *material, request.layers, request.lighting, request.camera);
+  scene.exposure = request.exposure;
+  const RenderResult result = render(scene, cpu_params(request.fine), progress);
   picture.report = {};
   picture.report.samples = result.report.samples;
   picture.report.shade_s = result.report.total_s;
@@ -211,12 +214,14 @@ Image PictureDrawer::draw(const PictureRequest& request, const Progress& progres
       break;
     case ViewMode::albedo:
     case ViewMode::range:
-      image = draw_property(*request.stage, *request.material, request.camera,
+      image = draw_property(*request.stage, *request.material, request.layers, request.camera,
                             request.mode == ViewMode::albedo);
+      image = scale(std::move(image), std::exp2(static_cast<float>(request.exposure)));
       break;
     case ViewMode::irradiance:
       image = draw_irradiance(*request.stage, *request.material, make_lights(request.lighting),
                               request.camera);
+      image = scale(std::move(image), std::exp2(static_cast<float>(request.exposure)));
       break;
   }
   if (request.mode == ViewMode::wireframe) draw_wireframe(*request.stage, request.camera, image);

@@ -20,7 +20,8 @@ class PictureDrawer {
   PictureDrawer(const PictureDrawer&) = delete;
   PictureDrawer& operator=(const PictureDrawer&) = delete;
 
-  // Linear radiance; `picture` gets the reports. Throws Error.
+  // Linear radiance times 2^exposure but for a plain background, as render() has it; `picture` gets
+  // the reports. Throws Error.
   Image draw(const PictureRequest& request, const Progress& progress, Picture& picture);
   // Why pictures come from the CPU from now on; empty after it was taken, and where they do not.
   std::string take_warning();

@@ -21,7 +21,7 @@ const std::vector<std::string>& view_mode_names() {
   return names;
 }
 
-std::vector<std::uint8_t> encode_picture(const Image& image, double exposure) {
+std::vector<std::uint8_t> encode_picture(const Image& image) {
   // The curve over the square root, which spreads its steep start.
   static const std::vector<std::uint8_t> codes = [] {
     std::vector<std::uint8_t> table(4097);
@@ -31,7 +31,6 @@ std::vector<std::uint8_t> encode_picture(const Image& image, double exposure) {
     }
     return table;
   }();
-  const auto scale = static_cast<float>(std::exp2(exposure));
   const std::size_t pixels =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
   const auto channels = static_cast<std::size_t>(image.channels);
@@ -39,7 +38,7 @@ std::vector<std::uint8_t> encode_picture(const Image& image, double exposure) {
   parallel_for_blocks(pixels, 16384, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       for (std::size_t c = 0; c < 3; ++c) {
-        const float value = scale * image.values[i * channels + std::min(c, channels - 1)];
+        const float value = image.values[i * channels + std::min(c, channels - 1)];
         // Not a number becomes black.
         const float root = value > 0 ? std::sqrt(std::min(value, 1.0f)) : 0.0f;
         rgba[4 * i + c] = codes[static_cast<std::size_t>(std::lrint(root * 4096.0f))];
@@ -78,7 +77,7 @@ std::shared_ptr<Picture> PictureThread::Impl::make_picture(PictureDrawer& drawer
       return stops || (request.fine && next.has_value());
     }};
     const Image image = drawer.draw(request, progress, *picture);
-    picture->rgba = encode_picture(image, request.exposure);
+    picture->rgba = encode_picture(image);
     picture->is_fine = request.fine;
     picture->width = image.width;
     picture->height = image.height;

@@ -31,7 +31,7 @@ struct PictureRequest {
   std::shared_ptr<const ReadyTransport> transport;  // of this stage and lighting; may be null
   std::vector<Rgb> light_scales;                    // of its lights
   Lighting lighting;                                // those that are on
-  Camera camera;  // with the size to be drawn
+  Camera camera;                                    // with the size to be drawn
   ViewMode mode = ViewMode::shaded;
   double exposure = 0;  // stops
   bool fine = true;     // more samples; given up for a newer request
@@ -50,8 +50,8 @@ struct Picture {
   double half_width = -1;  // its largest certified one; -1: none yet
 };
 
-// Linear radiance times 2^exposure, encoded for the screen.
-std::vector<std::uint8_t> encode_picture(const Image& image, double exposure);
+// Linear radiance, encoded for the screen.
+std::vector<std::uint8_t> encode_picture(const Image& image);
 
 class PictureThread {
  public:

@@ -112,17 +112,15 @@ void describe_lights(Document& state, const Studio& studio) {
                     sky = find_light(studio.lighting, studio.selected_light, true);
   if (lamp < studio.lighting.size())
     set(state, "azimuth_deg", angles_of(studio.lighting[lamp], middle).azimuth_deg);
-  if (sky < studio.lighting.size())
-    set(state, "rotation_deg", studio.lighting[sky].rotation_deg);
+  if (sky < studio.lighting.size()) set(state, "rotation_deg", studio.lighting[sky].rotation_deg);
   Document::Array lights, layers;
   for (const StageLight& light : studio.lighting)
-    lights.emplace_back(Document::Object{
-        {"kind", light_kind_names()[static_cast<std::size_t>(light.kind)]},
-        {"enabled", light.enabled}});
+    lights.emplace_back(
+        Document::Object{{"kind", light_kind_names()[static_cast<std::size_t>(light.kind)]},
+                         {"enabled", light.enabled}});
   for (const auto& layer : studio.layers)
-    layers.emplace_back(Document::Object{{"name", layer->material_name},
-                                         {"enabled", layer->enabled},
-                                         {"opacity", layer->opacity}});
+    layers.emplace_back(Document::Object{
+        {"name", layer->material_name}, {"enabled", layer->enabled}, {"opacity", layer->opacity}});
   set(state, "lights", std::move(lights));
   set(state, "surface", std::move(layers));
 }

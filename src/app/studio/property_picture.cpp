@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "base/parallel.h"
 #include "judge/false_color.h"
+#include "material/profile_field.h"
 #include "material/properties.h"
 #include "scene/camera.h"
+#include "scene/mapping.h"
 #include "transport/irradiance.h"
+#include "transport/row_blend.h"
 
 namespace parian {
 namespace {
@@ -39,20 +43,33 @@ std::size_t pixel_of(const SampleGrid& grid, const SamplePoint& place) {
 
 using Color3 = std::array<float, 3>;
 
-// One colour for each pixel of the material.
-std::vector<Color3> property_colors(const Material& material, const SampleGrid& grid,
-                                    bool is_albedo) {
-  const std::size_t pixels =
-      static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height);
-  std::vector<Color3> colors(pixels, Color3{0.5f, 0.5f, 0.5f});
+// Albedos or ranges in mm of each pixel of a material.
+struct PropertyGrid {
+  SampleGrid grid;
+  std::vector<Color3> values;
+};
+
+Color3 measure_dipole(const Material& material, bool is_albedo) {
+  const ProfileField field = make_profile_field(material);
+  ProfileRow row{.half_log = std::vector<float>(field.row()), .support_mm = {}};
+  field.eval(0, 0, row.half_log.data(), row.support_mm.data());
+  RowScratch scratch;
+  const RowProperties found = measure_row(make_row_knots(field.knots_mm), row, scratch);
+  Color3 values{};
+  for (std::size_t c = 0; c < 3; ++c)
+    values[c] = static_cast<float>(is_albedo ? 2 * std::numbers::pi * found.integral[c]
+                                             : found.range_mm[c]);
+  return values;
+}
+
+PropertyGrid measure_grid(const Material& material, bool is_albedo) {
+  PropertyGrid found{grid_of(material), {}};
+  const SampleGrid& grid = found.grid;
   if (!has_profiles(material)) {
-    const auto& dipole = std::get<Dipole>(material);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const DipoleCoefficients& medium = dipole.channels[std::min(c, dipole.channels.size() - 1)];
-      colors[0][c] = is_albedo ? static_cast<float>(dipole_albedo(medium, dipole.eta)) : 0.5f;
-    }
-    return colors;
+    found.values = {measure_dipole(material, is_albedo)};
+    return found;
   }
+  found.values.resize(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height));
   const int channels = std::visit(
       [](const auto& m) {
         if constexpr (requires { m.channels.size(); })
@@ -61,22 +78,62 @@ std::vector<Color3> property_colors(const Material& material, const SampleGrid& 
           return m.channels;
       },
       material);
-  parallel_for(pixels, [&](std::size_t i) {
+  parallel_for(found.values.size(), [&](std::size_t i) {
     const int x = static_cast<int>(i) % grid.width, y = static_cast<int>(i) / grid.width;
     for (int c = 0; c < 3; ++c) {
       const ProfileProperties properties =
           measure_properties(get_profile(material, std::min(c, channels - 1), x, y));
-      colors[i][static_cast<std::size_t>(c)] =
+      found.values[i][static_cast<std::size_t>(c)] =
           static_cast<float>(is_albedo ? properties.albedo : properties.range_mm);
     }
   });
-  if (is_albedo) return colors;
-  const auto mean = [](const Color3& v) { return (v[0] + v[1] + v[2]) / 3; };
-  float largest = 1e-6f;
-  for (const Color3& color : colors) largest = std::max(largest, mean(color));
-  for (Color3& color : colors) color = map_color(static_cast<double>(mean(color) / largest));
-  return colors;
+  return found;
 }
+
+const Color3& value_at(const PropertyGrid& grid, const Mapping& mapping,
+                       const SurfacePoint& point) {
+  return grid.values[pixel_of(grid.grid, map_to_sample(mapping, grid.grid, point))];
+}
+
+float mean_of(const Color3& value) {
+  return (value[0] + value[1] + value[2]) / 3;
+}
+
+// Albedos and ranges are mixed linearly by the layers' masks (scene/scene.h).
+struct LayeredProperty {
+  const Stage& stage;
+  const StageLayers& layers;
+  bool is_albedo;
+  PropertyGrid base;
+  std::vector<PropertyGrid> over;
+
+  LayeredProperty(const Stage& on, const Material& material, const StageLayers& above, bool albedo)
+      : stage(on), layers(above), is_albedo(albedo), base(measure_grid(material, albedo)) {
+    for (const auto& layer : above) over.push_back(measure_grid(*layer->material, albedo));
+  }
+
+  Color3 at(const SurfacePoint& point) const {
+    Color3 value = value_at(base, stage.scene.mapping, point);
+    for (std::size_t l = 0; l < layers.size(); ++l) {
+      const SurfaceLayer& layer = *layers[l];
+      const double part = layer.opacity * (is_albedo ? layer.albedo : layer.range);
+      const auto weight = static_cast<float>(part * eval_mask(layer.mask, stage.scene.mesh, point));
+      const Color3& other = value_at(over[l], layer.mapping, point);
+      for (std::size_t c = 0; c < 3; ++c) value[c] += weight * (other[c] - value[c]);
+    }
+    return value;
+  }
+
+  float largest() const {
+    float most = 1e-6f;
+    const auto look = [&](const PropertyGrid& grid) {
+      for (const Color3& value : grid.values) most = std::max(most, mean_of(value));
+    };
+    look(base);
+    for (const PropertyGrid& grid : over) look(grid);
+    return most;
+  }
+};
 
 Image make_picture(const Stage& stage, const Camera& camera) {
   Image image = make_image(camera.width, camera.height, 3);
@@ -99,14 +156,16 @@ SampleGrid grid_of(const Material& material) {
   return {};
 }
 
-Image draw_property(const Stage& stage, const Material& material, const Camera& camera,
-                    bool is_albedo) {
-  const SampleGrid grid = grid_of(material);
-  const std::vector<Color3> colors = property_colors(material, grid, is_albedo);
+Image draw_property(const Stage& stage, const Material& material, const StageLayers& layers,
+                    const Camera& camera, bool is_albedo) {
+  const LayeredProperty property(stage, material, layers, is_albedo);
+  const float full_scale = property.largest();
   Image image = make_picture(stage, camera);
   for_hits(stage, camera, [&](std::size_t pixel, const Hit& hit, const CameraRay& ray) {
     const SurfacePoint point = get_surface_point(stage.scene.mesh, hit.triangle, hit.barycentric);
-    const Color3& color = colors[pixel_of(grid, map_to_sample(stage.scene.mapping, grid, point))];
+    const Color3 value = property.at(point);
+    const Color3 color =
+        is_albedo ? value : map_color(static_cast<double>(mean_of(value) / full_scale));
     const float shade = 0.4f + 0.6f * std::abs(dot(point.normal, ray.direction));
     for (std::size_t c = 0; c < 3; ++c) image.values[3 * pixel + c] = color[c] * shade;
   });

@@ -11,10 +11,10 @@ namespace parian {
 // The grid that a material has on a surface.
 SampleGrid grid_of(const Material& material);
 
-// Albedo (2 pi C), or the range in false colours with the map's largest as full scale; a little
-// darker where the surface turns away.
-Image draw_property(const Stage& stage, const Material& material, const Camera& camera,
-                    bool is_albedo);
+// Albedo (2 pi C), or the range in false colours with the materials' largest as full scale; a
+// little darker where the surface turns away.
+Image draw_property(const Stage& stage, const Material& material, const StageLayers& layers,
+                    const Camera& camera, bool is_albedo);
 // E / pi, as a white diffuse surface would look.
 Image draw_irradiance(const Stage& stage, const Material& material,
                       const std::vector<Light>& lights, const Camera& camera);

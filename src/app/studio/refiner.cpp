@@ -22,12 +22,13 @@ bool may_refine(const Studio& studio) {
 }  // namespace
 
 void Refiner::prepare(const RefineRequest& request) {
-  if (refinement_ == nullptr || last_.stage != request.stage) {
+  const bool is_new = refinement_ == nullptr || last_.stage != request.stage;
+  if (is_new) {
     refinement_.reset();
-    refinement_ = std::make_unique<Refinement>(
-        make_scene(*request.stage, *request.material, request.layers, request.lighting,
-                   request.camera),
-        params_);
+    refinement_ =
+        std::make_unique<Refinement>(make_scene(*request.stage, *request.material, request.layers,
+                                                request.lighting, request.camera),
+                                     params_);
   } else {
     if (last_.layers != request.layers)
       refinement_->set_material(*request.material, copy_layers(request.layers));
@@ -37,6 +38,7 @@ void Refiner::prepare(const RefineRequest& request) {
       refinement_->set_lights(make_lights(request.lighting));
     if (!(last_.camera == request.camera)) refinement_->set_camera(request.camera);
   }
+  if (last_.exposure != request.exposure || is_new) refinement_->set_exposure(request.exposure);
   last_ = request;
 }
 
@@ -47,7 +49,7 @@ void Refiner::publish(const RefineRequest& request) {
   picture->id = request.under->id;
   picture->width = image.width;
   picture->height = image.height;
-  picture->rgba = encode_picture(image, request.exposure);
+  picture->rgba = encode_picture(image);
   const std::vector<float>& half_width = refinement_->half_width();
   for (std::size_t i = 0; i < half_width.size(); ++i)
     if (half_width[i] == Refinement::nothing_yet)

@@ -41,12 +41,10 @@ std::vector<std::uint8_t> draw_brute(const RefineRequest& request) {
   RenderParams params = make_params().render;
   params.method = GatherMethod::brute;
   params.shading = Shading::pixel;
-  return encode_picture(
-      render(make_scene(*request.stage, *request.material, request.layers, request.lighting,
-                        request.camera),
-             params)
-          .image,
-      request.exposure);
+  Scene scene = make_scene(*request.stage, *request.material, request.layers, request.lighting,
+                           request.camera);
+  scene.exposure = request.exposure;
+  return encode_picture(render(scene, params).image);
 }
 
 TEST(Refiner, EndsWithEverySampleSummed) {

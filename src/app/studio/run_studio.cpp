@@ -67,9 +67,16 @@ constexpr Tab lower_tabs[] = {
 
 template <std::size_t n>
 void draw_tabs(Ui& ui, const char* name, const Tab (&tabs)[n]) {
-  if (!ImGui::BeginTabBar(name, ImGuiTabBarFlags_FittingPolicyScroll)) return;
+  // Narrow, so that all of them are seen.
+  const ImVec2 padding = ImGui::GetStyle().FramePadding;
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0.4f * padding.x, padding.y});
+  const bool is_open = ImGui::BeginTabBar(name, ImGuiTabBarFlags_FittingPolicyScroll);
+  ImGui::PopStyleVar();
+  if (!is_open) return;
   for (const Tab& tab : tabs) {
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0.4f * padding.x, padding.y});
     const bool open = ImGui::BeginTabItem(tab.name);
+    ImGui::PopStyleVar();
     mark(ui.probe, std::string("tab/") + tab.name);
     if (!open) continue;
     ImGui::BeginChild(tab.name);

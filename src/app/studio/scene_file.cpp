@@ -127,17 +127,17 @@ void save_scene(Studio& studio, const std::string& path) {
       file = fs::path(file).lexically_proximate(folder).string();
     });
     const bool is_whole = scene.layers.size() == studio.layers.size();
-    studio.jobs.start("save " + path,
-                      [&studio, path, written, beside, is_whole,
-                       description = write_scene(scene)](const Progress&) -> Jobs::Finish {
-                        if (written != nullptr) save_material(beside, *written);
-                        save_document(path, description);
-                        return [&studio, path, is_whole] {
-                          remember(studio, path);
-                          report(studio, "saved " + path +
-                                             (is_whole ? "" : " without layers that do not fit"));
-                        };
-                      });
+    studio.jobs.start(
+        "save " + path,
+        [&studio, path, written, beside, is_whole,
+         description = write_scene(scene)](const Progress&) -> Jobs::Finish {
+          if (written != nullptr) save_material(beside, *written);
+          save_document(path, description);
+          return [&studio, path, is_whole] {
+            remember(studio, path);
+            report(studio, "saved " + path + (is_whole ? "" : " without layers that do not fit"));
+          };
+        });
   } catch (const std::exception& error) {
     report(studio, error.what(), true);
   }

@@ -1,6 +1,6 @@
 // Undo for what is no part of the recipe: lights, layers over the material, the exposure, and the
-// coefficients of a homogeneous material. Entries remember how long the recipe's own history was, so that both are
-// undone in the order in which they were made.
+// coefficients of a homogeneous material. Entries remember how long the recipe's own history was,
+// so that both are undone in the order in which they were made.
 #pragma once
 
 #include <optional>

@@ -79,9 +79,9 @@ Orbit make_orbit(const Camera& camera) {
       .fov_deg = camera.fov_deg};
   const OrbitAxes axes = axes_of(orbit);
   const Vec3 up = make_camera_frame(camera).up;
-  const double roll = std::atan2(static_cast<double>(dot(up, axes.right)),
-                                 static_cast<double>(dot(up, axes.up))) /
-                      degree;
+  const double roll =
+      std::atan2(static_cast<double>(dot(up, axes.right)), static_cast<double>(dot(up, axes.up))) /
+      degree;
   if (std::abs(roll) > least_roll_deg) orbit.roll_deg = roll;
   return orbit;
 }

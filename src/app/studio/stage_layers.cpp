@@ -38,7 +38,7 @@ void remove_stage_layer(Studio& studio, std::size_t index) {
 }
 
 const std::vector<std::string>& mask_kind_names() {
-  static const std::vector<std::string> names{"everywhere", "gradient", "sphere", "slab",
+  static const std::vector<std::string> names{"everywhere", "gradient", "sphere",   "slab",
                                               "noise",      "stripes",  "of a file"};
   return names;
 }
@@ -67,7 +67,8 @@ SurfaceMask make_mask(std::size_t kind, const Bounds3& box) {
     case 4:
       return {{NoiseMask{.scale_mm = std::max(0.25 * height, 0.001)}}};
     case 5:
-      return {{StripesMask{.period_mm = std::max(0.25 * height, 0.001), .feather_mm = 0.02 * height}}};
+      return {
+          {StripesMask{.period_mm = std::max(0.25 * height, 0.001), .feather_mm = 0.02 * height}}};
     default:
       return {};
   }

@@ -133,7 +133,7 @@ struct Studio {
 
   // What was asked for last, and what is shown.
   std::uint64_t request_id = 0;
-  double last_change_s = 0;       // when something was changed last
+  double last_change_s = 0;        // when something was changed last
   double autosaved_change_s = -1;  // that the autosave holds
   std::shared_ptr<const Picture> picture;
   Refiner refiner;

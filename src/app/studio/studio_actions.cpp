@@ -126,10 +126,10 @@ void show_compressed(Studio& studio, std::optional<std::size_t> index) {
 }
 
 void note_scene_now(Studio& studio) {
-  note_scene(studio.scene_history,
-             {studio.is_homogeneous, studio.homogeneous, studio.lighting, studio.layers,
-              studio.exposure},
-             recipe_entries(studio));
+  note_scene(
+      studio.scene_history,
+      {studio.is_homogeneous, studio.homogeneous, studio.lighting, studio.layers, studio.exposure},
+      recipe_entries(studio));
 }
 
 HistoryView view_history(const Studio& studio) {

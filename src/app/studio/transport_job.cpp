@@ -16,9 +16,7 @@ constexpr double rest_s = 0.8;  // without changes, until the work starts
 
 // Apart from how bright they are. A channel that was dark says nothing about itself.
 bool is_same_place(const StageLight& a, const StageLight& b) {
-  const auto is_dark = [](Rgb color) {
-    return std::array{color.x > 0, color.y > 0, color.z > 0};
-  };
+  const auto is_dark = [](Rgb color) { return std::array{color.x > 0, color.y > 0, color.z > 0}; };
   return a.kind == b.kind && a.sky == b.sky && a.place == b.place &&
          a.rotation_deg == b.rotation_deg && is_dark(a.power) == is_dark(b.power);
 }
@@ -123,16 +121,15 @@ std::shared_ptr<const ReadyTransport> make_ready_transport(const TransportKey& k
   for (std::size_t i = 0; i < key.lighting.size(); ++i) {
     StageLight& light = ready->key.lighting[i];
     const Lighting& then = earlier->key.lighting;
-    const auto kept = std::find_if(then.begin(), then.end(), [&](const StageLight& old) {
-      return is_same_place(old, light);
-    });
+    const auto kept = std::find_if(
+        then.begin(), then.end(), [&](const StageLight& old) { return is_same_place(old, light); });
     if (kept != then.end()) {
       const auto index = static_cast<std::size_t>(kept - then.begin());
       transport->lights.push_back(earlier->transport->lights[index]);
       light.power = kept->power;  // what is kept is of the old strength
     } else {
-      transport->lights.push_back(precompute.compute(
-          i, scene.lights[i], count_lights(progress, i, scene.lights.size())));
+      transport->lights.push_back(
+          precompute.compute(i, scene.lights[i], count_lights(progress, i, scene.lights.size())));
     }
   }
   ready->transport = std::move(transport);

@@ -60,7 +60,7 @@ TEST(TransportJob, OneLightAnewIsAsIfAllWere) {
   const auto first = make_ready_transport(key, make_params(), nullptr, {});
   TransportKey turned = key;
   turn_light(turned.lighting[1], 30, 0, {});
-  turned.lighting[0].power *= 3;         // kept as it was: a factor
+  turned.lighting[0].power *= 3;  // kept as it was: a factor
   turned.lighting.erase(turned.lighting.begin() + 2);
   std::swap(turned.lighting[0], turned.lighting[1]);
   const auto kept = make_ready_transport(turned, make_params(), first.get(), {});
