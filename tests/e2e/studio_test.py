@@ -472,8 +472,12 @@ def fourth_session(program, display, source_dir, folder, figures):
         studio.settle()
         studio.menu("file", "export picture")
         studio.in_file_dialog(folder, "before.png")
+        choose_draft(studio)
         check_surface(studio)
+        studio.choose("still", "fine")
+        studio.until(lambda s: s["still"] == "fine", "fine pictures")
         saved = studio.settle()
+        assert saved["fine"]
         studio.menu("file", "export picture")
         studio.in_file_dialog(folder, "after.png")
         studio.menu("file", "save scene as")
