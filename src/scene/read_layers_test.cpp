@@ -54,9 +54,9 @@ Scene read(Document layers, Document material = object({{"named", "marble"}})) {
                      {"lights", array({object({{"type", "environment"}, {"sky", "studio"}})})}})),
       loaders());
 }
-Document layer(Document::Object more = {}) {
+Document layer(const Document::Object& more = {}) {
   Document node = object({{"material", object({{"file", "m.h5"}})}});
-  for (auto& [key, value] : more) set(node, key, value);
+  for (const auto& [key, value] : more) set(node, key, value);
   return node;
 }
 std::string error_of(Document layers, Document material = object({{"named", "marble"}})) {
