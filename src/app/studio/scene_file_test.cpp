@@ -286,7 +286,8 @@ TEST(StageLayers, MasksAreOfTheirKindAndFitTheMesh) {
   EXPECT_EQ(mask_kind_of({{VertexMask{}}}), mask_kind_names().size() - 1);
 }
 
-TEST(Studio, RecoversLightsAndCoefficients) {
+// Also where the recipe is empty.
+void expect_recovery(std::size_t layers) {
   const StateFolder folder;
   Dipole material = first_homogeneous();
   material.channels[0].sigma_a = 0.5;
@@ -297,11 +298,12 @@ TEST(Studio, RecoversLightsAndCoefficients) {
     start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
     make_small(studio);
     studio.use_transport = false;
+    studio.still = Still::draft;
     run(studio);
     turn_light(studio.lighting[0], 30, 0, {});
     set_homogeneous(studio, material);
     turn(studio.orbit, 10, 0, 48);
-    add_layer(studio, make_adjust(0.5));
+    if (layers > 0) add_layer(studio, make_adjust(0.5));
     studio.editor->wait();
     run(studio);
     update(studio, studio.last_change_s + 10);
@@ -313,6 +315,7 @@ TEST(Studio, RecoversLightsAndCoefficients) {
   start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
   make_small(studio);
   studio.use_transport = false;
+  studio.still = Still::draft;
   ASSERT_TRUE(studio.recoverable);
   recover(studio);
   run(studio);
@@ -321,10 +324,15 @@ TEST(Studio, RecoversLightsAndCoefficients) {
   ASSERT_EQ(studio.lighting.size(), 2u);
   EXPECT_EQ(studio.lighting[0], lighting[0]);
   EXPECT_NEAR(studio.orbit.yaw_deg, orbit.yaw_deg, 1e-3);
-  EXPECT_EQ(studio.snapshot->layers.size(), 1u);
+  EXPECT_EQ(studio.snapshot->layers.size(), layers);
   leave_homogeneous(studio);
   EXPECT_TRUE(std::holds_alternative<ProfileMap>(*studio.material));
   finish_studio(studio);
+}
+
+TEST(Studio, RecoversLightsAndCoefficients) {
+  expect_recovery(1);
+  expect_recovery(0);
 }
 
 }  // namespace
