@@ -2,6 +2,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
@@ -29,8 +30,11 @@ inline Document make_adjust(double range_scale) {
   return layer;
 }
 
+// Of this process: tests run beside each other.
 struct StateFolder {
-  std::string path = (std::filesystem::temp_directory_path() / "parian-studio-test").string();
+  std::string path =
+      (std::filesystem::temp_directory_path() / ("parian-studio-test-" + std::to_string(getpid())))
+          .string();
   StateFolder() { std::filesystem::remove_all(path); }
   ~StateFolder() { std::filesystem::remove_all(path); }
 };
