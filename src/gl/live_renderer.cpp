@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "base/stopwatch.h"
+#include "gl/context.h"
 #include "gl/shading.h"
 #include "gl/transport_textures.h"
 
@@ -35,9 +36,7 @@ ParamList describe(LiveParams& params) {
 namespace {
 
 bool updates_on_cpu(LiveUpdate update, const std::string& renderer) {
-  if (update != LiveUpdate::automatic) return update == LiveUpdate::cpu;
-  const auto is_called = [&](const char* name) { return renderer.find(name) != std::string::npos; };
-  return is_called("llvmpipe") || is_called("softpipe") || is_called("swrast");
+  return update == LiveUpdate::automatic ? is_software(renderer) : update == LiveUpdate::cpu;
 }
 
 // What updates on the CPU need.
