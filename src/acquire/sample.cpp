@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "material/bssrdf_table.h"
 
 namespace parian {
 namespace {
@@ -243,6 +244,25 @@ ParamList describe(SampleDepth& depth) {
           {.name = "solid",
            .help = "random structures in space: stones, not columns",
            .target = &depth.solid}};
+}
+
+TableHeader make_table_header(const Sample& sample, Boundary boundary, Sampling sampling,
+                              const std::string& provenance) {
+  TableHeader header;
+  header.width = sample.width;
+  header.height = sample.height;
+  header.channels = sample.channels;
+  header.pixel_pitch_mm = sample.pixel_pitch_mm;
+  header.boundary = boundary;
+  header.eta = sample.eta;
+  header.symmetric = true;
+  header.sampling = sampling;
+  header.provenance = provenance;
+  for (const Offset offset : half_disc_offsets(sample.radius_px))
+    if (std::abs(offset.dx) < sample.width && std::abs(offset.dy) < sample.height)
+      header.offsets.push_back(offset);
+  check(header, sample.name);
+  return header;
 }
 
 VariationFactors eval_variation(const Sample& sample, double x, double y, double z) {
