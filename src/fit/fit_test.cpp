@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "fit/fit_test_tables.h"
+#include "fit/test_tables.h"
 #include "material/material.h"
 
 namespace parian {

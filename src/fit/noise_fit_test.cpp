@@ -9,10 +9,11 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "fit/fit.h"
-#include "fit/fit_test_tables.h"
 #include "fit/hessian_internal.h"
+#include "fit/test_tables.h"
 #include "judge/row_sums.h"
 #include "material/material.h"
+#include "material/test_noise.h"
 
 namespace parian {
 namespace {

@@ -8,10 +8,10 @@
 #include <string>
 
 #include "base/error.h"
-#include "fit/fit_test_tables.h"
 #include "fit/hessian.h"
 #include "fit/pair_weights.h"
 #include "fit/solve.h"
+#include "fit/test_tables.h"
 
 namespace parian {
 namespace {

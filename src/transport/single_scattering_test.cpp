@@ -13,7 +13,7 @@
 #include "mesh/shapes.h"
 #include "scene/environment.h"
 #include "transport/irradiance.h"
-#include "transport/single_scattering_testing.h"
+#include "transport/test_single_scattering.h"
 
 namespace parian {
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "base/random.h"
@@ -58,20 +59,6 @@ inline void remove_pairs(BssrdfTable& table, double fraction, std::uint64_t seed
         if (hash_to_uniform(hash_u64(hash_u64(seed, x), i)) < fraction)
           slice[x] = std::numeric_limits<float>::quiet_NaN();
     }
-}
-
-// Photon counts of `gain` each and normal noise of `floor`, with the noise model that says so.
-inline void add_noise(BssrdfTable& table, double gain, double floor, std::uint64_t seed) {
-  const auto channels = static_cast<std::size_t>(table.header.channels);
-  table.header.noise_gain.assign(channels, gain);
-  table.header.noise_floor.assign(channels, floor);
-  Rng rng = make_rng(seed);
-  for (float& value : table.reflectance) {
-    if (std::isnan(value)) continue;
-    double noisy = static_cast<double>(value);
-    if (gain > 0) noisy = gain * sample_poisson(rng, noisy / gain);
-    value = static_cast<float>(noisy + floor * sample_normal(rng));
-  }
 }
 
 // Knots a pixel of make_test_table apart.
