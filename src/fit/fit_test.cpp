@@ -6,8 +6,8 @@
 #include <functional>
 #include <string>
 
-#include "base/error.h"
 #include "base/parallel.h"
+#include "base/test_errors.h"
 #include "fit/test_tables.h"
 #include "material/material.h"
 
@@ -16,15 +16,6 @@ namespace {
 
 FitResult fit(const BssrdfTable& table, const FitParams& params) {
   return fit_profiles(*make_slices(table, "t.h5"), params);
-}
-
-std::string error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 // Known profiles: non-increasing, different at every pixel.
@@ -250,12 +241,8 @@ TEST(Fit, CanBeCancelled) {
   const BssrdfTable table = make_test_table(8, 8, 3);
   Progress progress;
   progress.is_cancelled = [] { return true; };
-  try {
-    fit_profiles(*make_slices(table), {}, progress);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind, ErrorKind::cancelled);
-  }
+  EXPECT_EQ(catch_error([&] { fit_profiles(*make_slices(table), {}, progress); }).kind,
+            ErrorKind::cancelled);
 }
 
 }  // namespace

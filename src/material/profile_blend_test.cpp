@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "base/error.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "material/bssrdf_table.h"
 #include "material/material.h"
 #include "material/profile_field.h"
@@ -220,14 +220,9 @@ TEST(ProfileBlend, IsAMaterialLikeItsMap) {
               1e-5);
   TableHeader like = natural_header(a);
   like.width = 8;
-  try {
-    make_slices(a, like, "b.kbm");
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "b.kbm: grid: expected 8 x 5 pixels, 3 channels, as the table, found 7 x 5 "
-                 "pixels, 3 channels");
-  }
+  EXPECT_EQ(error_of([&] { make_slices(a, like, "b.kbm"); }),
+            "b.kbm: grid: expected 8 x 5 pixels, 3 channels, as the table, found 7 x 5 "
+            "pixels, 3 channels");
 }
 
 TEST(ProfileBlend, PaperBytes) {
@@ -296,12 +291,7 @@ TEST(BlendField, DilatedBlendsAreResampledAsTheirMaps) {
 }
 
 std::string error_of(const ProfileBlend& blend) {
-  try {
-    check(blend, "b.kbm");
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return parian::error_of([&] { check(blend, "b.kbm"); });
 }
 
 TEST(ProfileBlend, CheckNamesWhatIsWrong) {

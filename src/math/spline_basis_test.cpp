@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "base/error.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 
 namespace parian {
 namespace {
@@ -148,14 +148,11 @@ TEST(FindKnots, ErrorFollowsTheAsymptoticLaw) {
 
 TEST(SplineProjection, SaysWhenPlacesAreTooFew) {
   const SplineBasis basis{1, {0, 1, 2, 3}};
-  try {
-    SplineProjection(basis, {0.2, 0.4, 2.2}, {1, 1, 1});
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "expected places that determine all 4 coefficients, found too few in some "
-                 "interval");
-  }
+  EXPECT_EQ(error_of([&] {
+              SplineProjection(basis, {0.2, 0.4, 2.2}, {1, 1, 1});
+            }),
+            "expected places that determine all 4 coefficients, found too few in some "
+            "interval");
 }
 
 }  // namespace

@@ -6,9 +6,9 @@
 #include <functional>
 #include <numbers>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "mesh/shapes.h"
 #include "scene/environment.h"
 
@@ -366,21 +366,14 @@ TEST(Irradiance, ReportsAndCanBeCancelled) {
   EXPECT_EQ(done.back(), 1);
   EXPECT_TRUE(std::is_sorted(done.begin(), done.end()));
   progress.is_cancelled = [] { return true; };
-  try {
-    compute();
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind, ErrorKind::cancelled);
-  }
+  EXPECT_EQ(catch_error([&] { compute(); }).kind, ErrorKind::cancelled);
 }
 
 TEST(Irradiance, ParametersAreChecked) {
-  try {
-    irradiance_at(point_at({}, {0, 1, 0}), DirectionalLight{}, {.rays = 0});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "rays: expected a value in [1, 1048576], found 0");
-  }
+  EXPECT_EQ(error_of([&] {
+              irradiance_at(point_at({}, {0, 1, 0}), DirectionalLight{}, {.rays = 0});
+            }),
+            "rays: expected a value in [1, 1048576], found 0");
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "base/error.h"
+#include "base/test_errors.h"
 
 namespace parian {
 namespace {
@@ -52,12 +52,7 @@ TEST_F(CaptureFolder, BadFramesAreNamed) {
   const FrameName frame{.role = FrameRole::white, .exposure = 1};
   const auto error_of_frame = [&](const Image& image) {
     save_frame(folder, meta, frame, image);
-    try {
-      make_frame_loader(folder, meta)(frame);
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string("no error");
+    return error_of([&] { make_frame_loader(folder, meta)(frame); });
   };
   Image image = make_image(7, 5, 1, 0.5f);
   EXPECT_EQ(error_of_frame(image), "no error");

@@ -5,12 +5,10 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
 
-#include "base/error.h"
 #include "base/random.h"
 #include "io/hdf5/handle_internal.h"
 #include "material/bssrdf_table.h"
@@ -34,15 +32,6 @@ struct TestFolder {
   }
   std::filesystem::path path;
 };
-
-inline Error error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error;
-  }
-  return Error({.found = "no error"});
-}
 
 // A file written through the C API.
 struct TestFile {

@@ -10,10 +10,9 @@
 
 #include <cmath>
 #include <filesystem>
-#include <functional>
 
-#include "base/error.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "io/json/files.h"
 
 namespace parian {
@@ -27,15 +26,6 @@ struct ImageFiles : testing::Test {
   std::string at_path(const std::string& name) const { return (folder / name).string(); }
   fs::path folder = fs::temp_directory_path() / ("parian-image-" + std::to_string(::getpid()));
 };
-
-std::string error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 Image make_noise(int width, int height, int channels, float scale) {
   Image image = make_image(width, height, channels);

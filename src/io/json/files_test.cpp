@@ -5,9 +5,8 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <functional>
 
-#include "base/error.h"
+#include "base/test_errors.h"
 #include "io/json/json.h"
 
 namespace parian {
@@ -26,43 +25,34 @@ struct Files : testing::Test {
   fs::path folder = fs::temp_directory_path() / ("parian-files-" + std::to_string(::getpid()));
 };
 
-Error error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error;
-  }
-  return Error({.found = "no error"});
-}
-
 TEST_F(Files, TextRoundTrips) {
   const std::string text("a\0b\n", 4);
   write_text(at("t"), text);
   EXPECT_EQ(read_file(at("t"), 4), text);
   EXPECT_EQ(count(), 1u);
-  EXPECT_EQ(error_of([&] { read_file(at("t"), 3); }).what(),
+  EXPECT_EQ(error_of([&] { read_file(at("t"), 3); }),
             at("t") + ": expected a file of at most 3 bytes, found 4 bytes");
 }
 
 TEST_F(Files, ReadErrorsNameTheFile) {
-  EXPECT_EQ(error_of([&] { read_file(at("none"), 9); }).what(),
+  EXPECT_EQ(error_of([&] { read_file(at("none"), 9); }),
             at("none") + ": expected a readable file, found no such file");
-  EXPECT_EQ(error_of([&] { read_file(folder.string(), 9); }).what(),
+  EXPECT_EQ(error_of([&] { read_file(folder.string(), 9); }),
             folder.string() + ": expected a readable file, found a directory");
 }
 
 TEST_F(Files, UnwritableOutputsAreToldApart) {
-  const Error missing = error_of([&] { write_text(at("out/x.h5"), "x"); });
+  const Error missing = catch_error([&] { write_text(at("out/x.h5"), "x"); });
   EXPECT_EQ(missing.what(),
             at("out/x.h5") + ": expected a writable folder, found no such directory");
   EXPECT_EQ(missing.kind, ErrorKind::resource);
   write_text(at("file"), "x");
-  EXPECT_EQ(error_of([&] { check_writable(at("file/x")); }).what(),
+  EXPECT_EQ(error_of([&] { check_writable(at("file/x")); }),
             at("file/x") + ": expected a writable folder, found no such directory");
-  EXPECT_EQ(error_of([&] { check_writable(folder.string()); }).what(),
+  EXPECT_EQ(error_of([&] { check_writable(folder.string()); }),
             folder.string() + ": expected the name of a file to write, found a directory");
-  EXPECT_STREQ(error_of([&] { check_writable("/dev/null"); }).what(),
-               "/dev/null: expected the name of a file to write, found a device");
+  EXPECT_EQ(error_of([&] { check_writable("/dev/null"); }),
+            "/dev/null: expected the name of a file to write, found a device");
 }
 
 TEST_F(Files, InterruptedWriteLeavesTheOldFile) {

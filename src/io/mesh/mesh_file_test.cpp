@@ -6,9 +6,8 @@
 
 #include <filesystem>
 #include <fstream>
-#include <functional>
 
-#include "base/error.h"
+#include "base/test_errors.h"
 #include "io/json/files.h"
 #include "io/mesh/testing_internal.h"
 #include "mesh/shapes.h"
@@ -34,14 +33,10 @@ struct MeshFile : testing::Test {
     return error_of(put(name, bytes));
   }
   static std::string error_of(const std::string& path) {
-    try {
-      load_mesh(path);
-    } catch (const Error& error) {
-      const std::string text = error.what();
-      EXPECT_THAT(text, StartsWith(path + ": "));
-      return text.substr(std::min(text.size(), path.size() + 2));
-    }
-    return "no error";
+    const std::string text = parian::error_of([&] { load_mesh(path); });
+    if (text == "no error") return text;
+    EXPECT_THAT(text, StartsWith(path + ": "));
+    return text.substr(std::min(text.size(), path.size() + 2));
   }
   fs::path folder = fs::temp_directory_path() / ("parian-mesh-" + std::to_string(::getpid()));
 };
@@ -232,12 +227,8 @@ TEST_F(MeshFile, GltfThatWouldHangOrOverflowIsRefused) {
 
 TEST_F(MeshFile, SavesPlyOnlyAndWhole) {
   const TriangleMesh mesh = make_sphere(0);
-  try {
-    save_mesh(at("a.obj"), mesh);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.what(), at("a.obj") + ": expected a file name that ends in .ply, found '.obj'");
-  }
+  EXPECT_EQ(parian::error_of([&] { save_mesh(at("a.obj"), mesh); }),
+            at("a.obj") + ": expected a file name that ends in .ply, found '.obj'");
   EXPECT_THROW(save_mesh(at("none/a.ply"), mesh), Error);
 }
 
