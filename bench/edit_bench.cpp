@@ -14,7 +14,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "bench/common/page.h"
+#include "bench/common/studies.h"
 #include "edit/adjust.h"
 #include "edit/blend.h"
 #include "edit/bound.h"
@@ -238,14 +238,13 @@ MarkdownTable make_table(const Bench& bench) {
   return table;
 }
 
-void run(const std::string& docs) {
+void study_operations(const Page& page) {
   Bench bench;
   AlignedVector<float> copy(bench.state.shapes->log_profile.size());
   bench.pass_ms = best_ms(20, [&] { copy_map(bench.state, copy); });
   measure_operations(bench);
   measure_selections(bench);
   measure_sessions(bench);
-  const Page page{.name = "editing", .folder = "out/bench", .docs = docs};
   write_table(page, "timings",
               fmt::format("A map of {0} × {0} pixels, 3 channels and {1} knots; masks of 1/2 "
                           "everywhere; two cores; the best of several runs. One pass over the "
@@ -259,9 +258,5 @@ void run(const std::string& docs) {
 
 int main(int argc, char** argv) {
   parian::keep_freed_memory();  // as the program does
-  std::string docs;
-  for (int i = 1; i + 1 < argc; ++i)
-    if (std::string(argv[i]) == "--docs") docs = argv[i + 1];
-  parian::run(docs);
-  return 0;
+  return parian::run_studies(argc, argv, "editing", {{"operations", parian::study_operations}});
 }

@@ -17,6 +17,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "bench/common/assets.h"
+#include "bench/common/studies.h"
 #include "fit/fit.h"
 #include "io/hdf5/table_file.h"
 #include "mesh/surface_samples.h"
@@ -260,23 +261,17 @@ void bench_picture(const std::string& file, int detail) {
   std::fflush(stdout);
 }
 
-bool wants(int argc, char** argv, const std::string& part) {
-  return argc < 2 || std::find(argv + 1, argv + argc, part) != argv + argc;
-}
-
 }  // namespace
 }  // namespace parian
 
 int main(int argc, char** argv) {
-  try {
-    if (parian::wants(argc, argv, "gather")) parian::bench_gather();
-    if (parian::wants(argc, argv, "scaling")) parian::bench_scaling();
-    if (parian::wants(argc, argv, "picture")) {
-      parian::bench_picture("dragon-100250.ply", 2);
-      parian::bench_picture("dragon-437645.ply", 4);
-    }
-  } catch (const parian::Error& error) {
-    fmt::print(stderr, "bench: error: {}\n", error.what());
-    return 1;
-  }
+  using namespace parian;
+  const auto draw = [](const Page&) {
+    bench_picture("dragon-100250.ply", 2);
+    bench_picture("dragon-437645.ply", 4);
+  };
+  return run_studies(argc, argv, "rendering",
+                     {{"gather", [](const Page&) { bench_gather(); }},
+                      {"scaling", [](const Page&) { bench_scaling(); }},
+                      {"picture", draw}});
 }

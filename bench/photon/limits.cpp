@@ -142,9 +142,8 @@ Image draw_around(const Case& each, int x, int y) {
 
 }  // namespace
 
-void study_limits(Study& study) {
+void study_limits(const Page& page) {
   const Case a = make_case("two-materials"), b = make_case("narrow-blocker");
-  const Page page = study.page("limits");
   MarkdownTable errors{{"sample", "relative error, mean", "largest", "albedo error, mean",
                         "largest", "standard error of the table at the median offset"},
                        {}};
@@ -165,7 +164,7 @@ void study_limits(Study& study) {
   write_picture(page, "narrow-blocker-around", draw_around(b, border - 3, 32));
 }
 
-void study_thickness(Study& study) {
+void study_thickness(const Page& page) {
   MarkdownTable table{{"thickness [mm]", "thickness [1/σ_s′]", "reflected", "transmitted",
                        "reflected / half-infinite"},
                       {}};
@@ -180,7 +179,7 @@ void study_thickness(Study& study) {
          fmt::format("{:.3f}", slab.reflected.value), fmt::format("{:.3f}", slab.transmitted.value),
          fmt::format("{:.2f}", slab.reflected.value / whole.reflected.value)});
   }
-  write_table(study.page("limits"), "thickness",
+  write_table(page, "thickness",
               fmt::format("Slabs with σ_a = {}, σ_s′ = {} per mm, η = {}, light from all sides; "
                           "half-infinite: {:.3f} reflected.",
                           sigma_a, sigma_s_prime, eta, whole.reflected.value),

@@ -66,7 +66,7 @@ std::vector<std::string> measure(const Tissue& tissue) {
 
 }  // namespace
 
-void study_speed(Study& study) {
+void study_speed(const Page& page) {
   MarkdownTable table{
       {"material", "σ_a [1/mm]", "σ_s′ [1/mm]", "g", "flights per photon", "photons / ms", "/ 35"},
       {}};
@@ -74,7 +74,7 @@ void study_speed(Study& study) {
        {Tissue{"wax", 0.01, 2, 0}, Tissue{"wax", 0.01, 2, 0.8}, Tissue{"skin", 0.05, 1, 0},
         Tissue{"skin", 0.05, 1, 0.8}, Tissue{"skin", 0.05, 1, 0.9}})
     table.rows.push_back(measure(tissue));
-  write_table(study.page("acquisition"), "speed",
+  write_table(page, "speed",
               fmt::format("{} threads; 80 × 80 × 40 voxels of 0.25 mm, η = 1.5, every voxel of "
                           "coefficients of its own, all photons alike:",
                           thread_count()),
