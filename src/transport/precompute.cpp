@@ -88,16 +88,8 @@ std::vector<GatherPoint> to_gather_points(const std::vector<SurfacePoint>& point
 
 ParamList describe(PrecomputeParams& params) {
   ParamList list{
-      {.name = "samples",
-       .help = "points of the surface at which light enters",
-       .target = &params.samples,
-       .min = 100,
-       .max = 20'000'000},
-      {.name = "rays",
-       .help = "per sample and environment light",
-       .target = &params.rays,
-       .min = 2,
-       .max = 65'536},
+      describe_samples(params.samples),
+      describe_rays(params.rays),
       {.name = "multiple-intervals",
        .help = "of the basis for R_d",
        .target = &params.multiple_intervals,
@@ -122,7 +114,7 @@ ParamList describe(PrecomputeParams& params) {
        .min = 0,
        .max = 1},
       {.name = "single", .help = "single scattering too", .target = &params.single},
-      {.name = "seed", .help = "of samples and rays", .target = &params.seed}};
+      describe_seed(params.seed)};
   for (Param& param : describe(params.single_params))
     if (param.name != "seed") list.push_back(std::move(param));
   return list;
