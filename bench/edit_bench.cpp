@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -15,6 +14,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "bench/common/studies.h"
+#include "bench/common/timing.h"
 #include "edit/adjust.h"
 #include "edit/blend.h"
 #include "edit/bound.h"
@@ -66,15 +66,7 @@ struct Row {
 };
 
 double best_ms(int runs, const std::function<void()>& work) {
-  double best = 1e30;
-  for (int i = 0; i < runs; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    const std::chrono::duration<double, std::milli> taken =
-        std::chrono::steady_clock::now() - start;
-    best = std::min(best, taken.count());
-  }
-  return best;
+  return 1e3 * best_seconds(runs, work);
 }
 
 // Reads all profiles and writes them elsewhere, on all cores.

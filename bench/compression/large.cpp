@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "bench/common/timing.h"
 #include "bench/compression/study.h"
 #include "material/dipole.h"
 
@@ -60,7 +61,7 @@ ProfileMap make_map() {
 void study_large(const Page& page) {
   ProfileMap map = make_map();
   CompressState state;
-  const double seconds = seconds_of([&] {
+  const double seconds = best_seconds(1, [&] {
     state = make_compress_state(map, make_blend_objective(map, nullptr, Objective::balanced),
                                 make_params(128, 2));
     map = {};

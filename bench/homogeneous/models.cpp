@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <chrono>
 #include <functional>
 
+#include "base/stopwatch.h"
 #include "bench/common/assets.h"
 #include "bench/homogeneous/study.h"
 #include "judge/plot.h"
@@ -101,11 +101,11 @@ void plot_curves(const Page& page, const std::vector<Variant>& variants) {
 // One curve, with all that it needs.
 double measure_ms(const Dipole& material) {
   constexpr int runs = 8;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   double sum = 0;
   for (int i = 0; i < runs; ++i) sum += eval_curve(make_reflectance_curve(material, 1), 1);
-  const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
-  return sum > 0 ? taken.count() / runs : 0;
+  const double seconds = watch.seconds();
+  return sum > 0 ? 1e3 * seconds / runs : 0;
 }
 
 void show_variants(const Page& page, const std::vector<Variant>& variants) {

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/stopwatch.h"
 #include "bench/photon/study.h"
 
 namespace parian::photon {
@@ -41,7 +42,7 @@ std::vector<std::string> measure(const Tissue& tissue) {
   double best = 1e30, flights = 0;
   for (int repeat = 0; repeat < 3; ++repeat) {
     std::vector<double> found(rows);
-    const double start = seconds_now();
+    const Stopwatch watch;
     parallel_for(rows, [&](std::size_t row) {
       PhotonTask task;
       task.volume = &volume, task.channel = &channel;
@@ -50,7 +51,7 @@ std::vector<std::string> measure(const Tissue& tissue) {
       std::vector<float> tally(task.pixels() * 17 * 17);
       found[row] = trace_photons(task, tally.data()).flights;
     });
-    best = std::min(best, seconds_now() - start);
+    best = std::min(best, watch.seconds());
     flights = 0;
     for (const double each : found) flights += each;
   }

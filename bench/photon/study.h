@@ -11,8 +11,6 @@
 
 namespace parian::photon {
 
-double seconds_now();
-
 // One voxel that goes on without end.
 PhotonVolume make_homogeneous(double sigma_a, double sigma_s, double g, double eta,
                               double thickness_mm = 0);
