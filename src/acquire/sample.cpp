@@ -258,9 +258,7 @@ TableHeader make_table_header(const Sample& sample, Boundary boundary, Sampling 
   header.symmetric = true;
   header.sampling = sampling;
   header.provenance = provenance;
-  for (const Offset offset : half_disc_offsets(sample.radius_px))
-    if (std::abs(offset.dx) < sample.width && std::abs(offset.dy) < sample.height)
-      header.offsets.push_back(offset);
+  header.offsets = half_disc_offsets(sample.radius_px, sample.width, sample.height);
   check(header, sample.name);
   return header;
 }

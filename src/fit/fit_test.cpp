@@ -45,8 +45,7 @@ double mean_relative_error(const BssrdfTable& a, const BssrdfTable& b) {
 TEST(Fit, RecoversATableMadeFromKnownProfiles) {
   const Material truth = make_known_map(16, 14, 5);
   TableHeader header = natural_header(truth);
-  header.offsets.clear();
-  for (Offset offset : half_disc_offsets(5)) header.offsets.push_back(offset);
+  header.offsets = half_disc_offsets(5);
   const BssrdfTable table = read_table(*make_slices(truth, header));
   FitParams params;
   params.lambda = 0;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 #include "base/random.h"
@@ -20,8 +19,7 @@ inline BssrdfTable make_test_table(int width, int height, double radius, int cha
   header.channels = channels;
   header.pixel_pitch_mm = 0.5;
   header.symmetric = symmetric;
-  for (Offset offset : half_disc_offsets(radius)) {
-    if (std::abs(offset.dx) >= width || offset.dy >= height) continue;
+  for (Offset offset : half_disc_offsets(radius, width, height)) {
     header.offsets.push_back(offset);
     if (!symmetric && offset != Offset{}) header.offsets.push_back({-offset.dx, -offset.dy});
   }

@@ -10,31 +10,10 @@
 #include "material/bssrdf_table.h"
 #include "material/material.h"
 #include "material/profile_field.h"
+#include "material/test_blends.h"
 
 namespace parian {
 namespace {
-
-ProfileBlend make_blend(int per_pixel, int bases = 9, int channels = 3) {
-  ProfileBlend blend;
-  blend.width = 7;
-  blend.height = 5;
-  blend.channels = channels;
-  blend.per_pixel = per_pixel;
-  blend.pixel_pitch_mm = 0.5;
-  blend.knots_mm = {0, 0.5, 1, 2};
-  Rng rng = make_rng(3);
-  for (int i = 0; i < bases * channels; ++i) {
-    float value = static_cast<float>(sample_normal(rng));
-    for (std::size_t k = 0; k < blend.knots_mm.size(); ++k)
-      blend.base_log_profile.push_back(value -= static_cast<float>(sample_uniform(rng)));
-  }
-  for (std::size_t i = 0; i < static_cast<std::size_t>(per_pixel) * blend.pixels(); ++i)
-    blend.index.push_back(
-        static_cast<std::uint16_t>(sample_u32(rng) % static_cast<std::uint32_t>(bases)));
-  for (std::size_t i = 0; i < static_cast<std::size_t>(per_pixel - 1) * blend.pixels(); ++i)
-    blend.weight.push_back(static_cast<float>(sample_uniform(rng) / per_pixel));
-  return blend;
-}
 
 void expect_same_slices(const ProfileBlend& blend, const ProfileMap& map, float tolerance) {
   std::vector<float> a(blend.pixels()), b(blend.pixels());

@@ -10,13 +10,11 @@
 #include "base/random.h"
 #include "base/test_errors.h"
 #include "io/blend/sections_internal.h"
-#include "io/blend/testing_internal.h"
 #include "io/json/files.h"
+#include "material/test_blends.h"
 
 namespace parian {
 namespace {
-
-using blend_testing::make_blend;
 
 std::string error_of(const std::string& bytes) {
   return parian::error_of([&] { decode_blend(bytes, "b.kbm"); });

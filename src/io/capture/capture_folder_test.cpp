@@ -1,23 +1,18 @@
 #include "io/capture/capture_folder.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
 
 #include "base/test_errors.h"
+#include "io/json/test_folder.h"
 
 namespace parian {
 namespace {
 
-namespace fs = std::filesystem;
-
-struct CaptureFolder : testing::Test {
-  CaptureFolder() { fs::create_directories(folder); }
-  ~CaptureFolder() override { fs::remove_all(folder); }
-  std::string folder = (fs::temp_directory_path() / unique_name()).string();
-  static std::string unique_name() { return "parian-capture-" + std::to_string(::getpid()); }
+struct CaptureFolder : testing::Test, TestFolder {
+  CaptureFolder() : TestFolder("capture") {}
+  std::string folder = path.string();
 };
 
 CaptureMeta make_meta(FrameFormat format) {

@@ -4,7 +4,7 @@
 
 #include "base/test_errors.h"
 #include "io/hdf5/table_file.h"
-#include "io/hdf5/testing_internal.h"
+#include "io/hdf5/test_files_internal.h"
 #include "io/json/files.h"
 
 namespace parian {

@@ -10,7 +10,7 @@
 #include "base/test_errors.h"
 #include "io/hdf5/read_internal.h"
 #include "io/hdf5/slice_layout_internal.h"
-#include "io/hdf5/testing_internal.h"
+#include "io/hdf5/test_files_internal.h"
 #include "io/json/files.h"
 
 namespace parian {

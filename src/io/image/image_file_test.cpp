@@ -6,25 +6,20 @@
 #include <ImfOutputFile.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
 
 #include "base/random.h"
 #include "base/test_errors.h"
 #include "io/json/files.h"
+#include "io/json/test_folder.h"
 
 namespace parian {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct ImageFiles : testing::Test {
-  ImageFiles() { fs::create_directories(folder); }
-  ~ImageFiles() override { fs::remove_all(folder); }
-  std::string at_path(const std::string& name) const { return (folder / name).string(); }
-  fs::path folder = fs::temp_directory_path() / ("parian-image-" + std::to_string(::getpid()));
+  TestFolder folder{"image"};
+  std::string at_path(const std::string& name) const { return folder.at(name); }
 };
 
 Image make_noise(int width, int height, int channels, float scale) {

@@ -2,28 +2,25 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 
 #include "base/test_errors.h"
 #include "io/json/files.h"
-#include "io/mesh/testing_internal.h"
+#include "io/json/test_folder.h"
+#include "io/mesh/test_files_internal.h"
 #include "mesh/shapes.h"
 
 namespace parian {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace mesh_testing;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-struct MeshFile : testing::Test {
-  MeshFile() { fs::create_directories(folder); }
-  ~MeshFile() override { fs::remove_all(folder); }
-  std::string at(const std::string& name) const { return (folder / name).string(); }
+struct MeshFile : testing::Test, TestFolder {
+  MeshFile() : TestFolder("mesh") {}
   std::string put(const std::string& name, const std::string& bytes) const {
     std::ofstream(at(name), std::ios::binary) << bytes;
     return at(name);
@@ -38,7 +35,6 @@ struct MeshFile : testing::Test {
     EXPECT_THAT(text, StartsWith(path + ": "));
     return text.substr(std::min(text.size(), path.size() + 2));
   }
-  fs::path folder = fs::temp_directory_path() / ("parian-mesh-" + std::to_string(::getpid()));
 };
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -77,10 +73,10 @@ TEST_F(MeshFile, ReadsEveryKindTheSame) {
 
 TEST_F(MeshFile, GltfNodesArePlacedAndMirrored) {
   put("buffer.bin", make_gltf_buffer());
-  for (const std::string& path :
+  for (const std::string& file :
        {put("a.glb", make_glb()), put("a.gltf", make_gltf_json("buffer.bin"))}) {
     MeshReport report;
-    const TriangleMesh mesh = load_mesh(path, &report);
+    const TriangleMesh mesh = load_mesh(file, &report);
     EXPECT_EQ(mesh.triangles.size(), 8u);
     // Twice the size, 8 / 6, and its mirror image beside it, from x = -2 to -4.
     EXPECT_NEAR(enclosed_volume(mesh), 16 / 6.0, 1e-5);
@@ -221,7 +217,7 @@ TEST_F(MeshFile, GltfThatWouldHangOrOverflowIsRefused) {
             "/nodes/0: expected nodes nested at most 256 deep, found more");
   EXPECT_EQ(error_of("a.gltf", replaced(json, "\"children\": [1]", "\"children\": [2]")),
             "/nodes/0/children/0: expected the index of one of 2 nodes, found the number 2");
-  fs::remove(at("buffer.bin"));
+  std::filesystem::remove(at("buffer.bin"));
   EXPECT_THAT(error_of("a.gltf", json), StartsWith("expected a readable mesh, found "));
 }
 
