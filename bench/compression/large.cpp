@@ -38,6 +38,7 @@ double eval_noise(double x, double y, std::uint64_t seed) {
 // Dipoles whose coefficients are images.
 ProfileMap make_map() {
   std::vector<double> knots_mm;
+  knots_mm.reserve(knots);
   for (int k = 0; k < knots; ++k) knots_mm.push_back(pitch_mm * k);
   ProfileMap map = make_profile_map(side, side, 3, pitch_mm, knots_mm);
   map.eta = 1.5;

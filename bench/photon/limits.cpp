@@ -48,17 +48,15 @@ using PairKind = std::function<bool(int from, int to)>;
 std::vector<std::string> compare_pairs(const Case& each, const std::string& name,
                                        const PairKind& is_of) {
   const TableHeader& header = each.table.header;
-  double data = 0, model = 0, logs = 0, pairs = 0;
+  double data = 0, model = 0, pairs = 0;
   for (const Offset d : header.offsets) {
     if (length_px(d) < 6 || length_px(d) > 9) continue;
     const PixelRange range = pairs_in_grid(header, d);
     for (int y = range.y0; y < range.y1; ++y)
       for (int x = range.x0; x < range.x1; ++x) {
         if (!is_of(x, x + d.dx)) continue;
-        const double m = model_value(each.map, 0, x, y, d);
         data += table_value(each.table, 0, x, y, d);
-        model += m;
-        logs += std::log(m);
+        model += model_value(each.map, 0, x, y, d);
         pairs += 1;
       }
   }

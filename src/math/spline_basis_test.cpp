@@ -91,6 +91,7 @@ TEST(SplineBasis, IntegralsAreExact) {
 
 std::vector<double> uniform_places(double a, double b, int count) {
   std::vector<double> places;
+  places.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) places.push_back(a + (b - a) * i / (count - 1));
   return places;
 }
