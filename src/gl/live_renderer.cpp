@@ -12,22 +12,9 @@
 namespace parian {
 
 ParamList describe(LiveParams& params) {
-  return {{.name = "antialias",
-           .help = "n x n pixels drawn per pixel",
-           .target = &params.antialias,
-           .min = 1,
-           .max = 8,
-           .symbol = "n"},
-          {.name = "shadow-size",
-           .help = "texels of a shadow map's side",
-           .target = &params.shadow_size,
-           .min = 64,
-           .max = 16'384},
-          {.name = "reflection-rays",
-           .help = "per pixel drawn and environment light",
-           .target = &params.reflection_rays,
-           .min = 1,
-           .max = 1024},
+  return {describe_antialias(params.antialias),
+          describe_shadow_size(params.shadow_size),
+          describe_reflection_rays(params.reflection_rays),
           {.name = "live-update",
            .help = "where transport is summed: automatic is the CPU for software devices",
            .target = make_choice(params.update, {"automatic", "device", "cpu"})}};
