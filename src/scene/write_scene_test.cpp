@@ -5,18 +5,13 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/test_documents.h"
+#include "base/test_errors.h"
 #include "mesh/shapes.h"
 #include "scene/read_scene.h"
 
 namespace parian {
 namespace {
-
-Document object(Document::Object members) {
-  return members;
-}
-Document array(Document::Array elements) {
-  return elements;
-}
 
 SceneLoaders loaders() {
   return {.load_mesh = {},
@@ -207,12 +202,7 @@ TEST(WriteScene, WhatIsFromNoFileIsAnError) {
   const auto error_of = [](auto change) {
     Scene scene = read(make_description(object({{"file", "m.h5"}}), make_layers()));
     change(scene);
-    try {
-      write_scene(scene);
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string("no error");
+    return parian::error_of([&] { write_scene(scene); });
   };
   EXPECT_EQ(error_of([](Scene& s) { s.material_file.clear(); }),
             "expected a material from a file, found one without");

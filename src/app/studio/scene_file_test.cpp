@@ -8,6 +8,7 @@
 #include "app/cli/inputs.h"
 #include "app/studio/stage_layers.h"
 #include "app/studio/test_studio_internal.h"
+#include "base/test_documents.h"
 #include "io/hdf5/map_file.h"
 #include "io/json/json.h"
 #include "mesh/shapes.h"
@@ -15,13 +16,6 @@
 
 namespace parian {
 namespace {
-
-Document object(Document::Object members) {
-  return members;
-}
-Document array(Document::Array elements) {
-  return elements;
-}
 
 // Two lamps (one of them off), a point light, environments and layers: the file's path.
 std::string write_rich_scene(const std::string& folder, Document material) {
