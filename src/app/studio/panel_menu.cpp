@@ -16,7 +16,7 @@ struct Shortcut {
 constexpr Shortcut shortcuts[] = {
     {"Ctrl+O", "open: table, map, blend, mesh, recipe, scene, environment, photograph"},
     {"Ctrl+S, Ctrl+Shift+S", "save the recipe; under another name"},
-    {"Ctrl+Z, Ctrl+Y", "undo, redo (also Ctrl+Shift+Z)"},
+    {"Ctrl+Z, Ctrl+Y", "undo, redo (also Ctrl+Shift+Z): layers, light, camera"},
     {"Ctrl+Q", "quit"},
     {"1 … 8", "tools, from top to bottom"},
     {"V, Shift+V", "next view mode, previous one"},

@@ -26,6 +26,7 @@ struct Orbit {
   double yaw_deg = 20, pitch_deg = 15;
   double distance_mm = 100;
   double fov_deg = 30;
+  friend bool operator==(const Orbit&, const Orbit&) = default;
 };
 Orbit make_orbit(const Camera& camera);
 Orbit frame_stage(const Stage& stage, int width, int height);

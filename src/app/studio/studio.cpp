@@ -229,6 +229,7 @@ void touch_view(Studio& studio) {
 }
 
 void touch_map(Studio& studio) {
+  note_scene_now(studio);  // what was done before the edit is undone after it
   studio.last_change_s = studio.now_s;
   if (studio.edit_started_s < 0) studio.edit_started_s = studio.now_s;
   stop_refining(studio);

@@ -59,11 +59,14 @@ struct SecondMaterial {
   std::shared_ptr<const ProfileMap> map;
 };
 
-// What was drawn with a tool, in mm on the map.
+// What was drawn with a tool, in mm on the map: lines of one point or more. On the mesh a stroke may
+// leave the map at one place and come in at another, and is several lines then.
+using StrokeLine = std::vector<std::array<double, 2>>;
 struct Stroke {
   Tool tool = Tool::brush;
-  std::vector<std::array<double, 2>> points;
+  std::vector<StrokeLine> lines;
   bool on_second = false;  // on the second material
+  bool ended = false;      // the last line
 };
 
 // A blend that was made of the map, for the rate-distortion list.
@@ -124,6 +127,7 @@ struct Studio {
   std::shared_ptr<const ReadyTransport> transport;
   std::optional<TransportKey> transport_under_way;
   SceneHistory scene_history;
+  std::shared_ptr<const Stage> noted_stage;  // that the history's views are of
 
   // What was asked for last, and what is shown.
   std::uint64_t request_id = 0;
@@ -184,8 +188,8 @@ bool is_settled(const Studio& studio);
 
 void report(Studio& studio, std::string text, bool is_error = false);
 
-// Of the recipe, the light, the exposure and the homogeneous material, in the order in which they
-// were made.
+// Of the recipe, the light, the exposure, the camera and the homogeneous material, in the order in
+// which they were made.
 void undo(Studio& studio);
 void redo(Studio& studio);
 HistoryView view_history(const Studio& studio);

@@ -69,6 +69,7 @@ void start_compression(Studio& studio, std::vector<int> counts) {
 void apply_scene(Studio& studio, const SceneState& state) {
   studio.lighting = state.lighting;
   studio.exposure = state.exposure;
+  studio.orbit = state.orbit;
   studio.homogeneous = state.homogeneous;
   if (state.is_homogeneous)
     set_homogeneous(studio, state.homogeneous);
@@ -91,7 +92,7 @@ void set_homogeneous(Studio& studio, const HomogeneousControls& controls) {
   for (std::size_t c = 0; c < 3; ++c)
     dipole.channels.push_back({controls.sigma_a[c], controls.sigma_s_prime[c], controls.g[c]});
   studio.material = std::make_shared<const Material>(std::move(dipole));
-  touch_map(studio);
+  if (studio.edit_started_s < 0) studio.edit_started_s = studio.now_s;
   touch_view(studio);
 }
 
@@ -122,8 +123,13 @@ void show_compressed(Studio& studio, std::optional<std::size_t> index) {
 }
 
 void note_scene_now(Studio& studio) {
+  if (studio.noted_stage != studio.stage) {
+    forget_camera(studio.scene_history, studio.orbit);
+    studio.noted_stage = studio.stage;
+  }
   note_scene(studio.scene_history,
-             {studio.is_homogeneous, studio.homogeneous, studio.lighting, studio.exposure},
+             {studio.is_homogeneous, studio.homogeneous, studio.lighting, studio.exposure,
+              studio.orbit},
              recipe_entries(studio));
 }
 

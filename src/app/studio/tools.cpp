@@ -150,8 +150,8 @@ Document make_stamp_layer(const StampSource& source, const std::array<double, 2>
 }
 
 void stamp(Studio& studio, const Stroke& stroke) {
-  const auto& first = stroke.points.front();
-  const auto& last = stroke.points.back();
+  const auto& first = stroke.lines.front().front();
+  const auto& last = stroke.lines.back().back();
   const EditState& state = stroke.on_second ? studio.second->state : studio.snapshot->after;
   const double least = 2 * state.pixel_pitch_mm;
   const std::array<double, 4> box{std::min(first[0], last[0]), std::min(first[1], last[1]),
@@ -274,15 +274,22 @@ void hallucinate(Studio& studio, const std::string& photograph) {
 void extend_stroke(Studio& studio, double x_mm, double y_mm, bool on_second) {
   if (studio.snapshot == nullptr || (on_second && studio.second == nullptr)) return;
   const EditState& state = on_second ? studio.second->state : studio.snapshot->after;
-  studio.stroke.tool = studio.tool;
-  studio.stroke.on_second = on_second;
-  studio.stroke.points.push_back({std::clamp(x_mm, 0.0, state.width * state.pixel_pitch_mm),
-                                  std::clamp(y_mm, 0.0, state.height * state.pixel_pitch_mm)});
+  Stroke& stroke = studio.stroke;
+  stroke.tool = studio.tool;
+  stroke.on_second = on_second;
+  if (stroke.lines.empty() || stroke.ended) stroke.lines.emplace_back();
+  stroke.ended = false;
+  stroke.lines.back().push_back({std::clamp(x_mm, 0.0, state.width * state.pixel_pitch_mm),
+                                 std::clamp(y_mm, 0.0, state.height * state.pixel_pitch_mm)});
+}
+
+void break_stroke(Studio& studio) {
+  studio.stroke.ended = true;
 }
 
 void finish_stroke(Studio& studio) {
   Stroke drawn = std::exchange(studio.stroke, {});
-  if (drawn.points.empty() || studio.snapshot == nullptr) return;
+  if (drawn.lines.empty() || studio.snapshot == nullptr) return;
   studio.waiting_strokes.push_back(std::move(drawn));
   apply_strokes(studio);
 }

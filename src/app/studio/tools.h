@@ -27,6 +27,7 @@ void hallucinate(Studio& studio, const std::string& photograph);
 // in the picked profile; the stamp takes its source, then puts it down. Nothing waits: while the
 // editor works strokes are kept, and apply_strokes, once a frame, does them.
 void extend_stroke(Studio& studio, double x_mm, double y_mm, bool on_second = false);
+void break_stroke(Studio& studio);  // what comes next is a line of its own
 void finish_stroke(Studio& studio);
 void apply_strokes(Studio& studio);
 
