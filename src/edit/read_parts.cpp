@@ -73,6 +73,11 @@ void read_numbers(const Document& object, const ParamList& params) {
   std::vector<std::string> keys;
   keys.reserve(as_object(object).size());
   for (const auto& [key, member] : as_object(object)) keys.push_back(key);
+  for (const Param& param : params) {
+    const auto* choice = std::get_if<ChoiceTarget>(&param.target);
+    const Document* node = choice != nullptr ? find(object, json_key(param)) : nullptr;
+    if (node != nullptr) choice->set(static_cast<int>(read_choice(*node, choice->names)));
+  }
   read_params(object, params, keys);
 }
 
