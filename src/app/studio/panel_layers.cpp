@@ -14,14 +14,6 @@
 namespace parian {
 namespace {
 
-void post_layer(Ui& ui, std::size_t index, Document layer, const std::string& label,
-                const std::string& what) {
-  Studio& studio = ui.studio;
-  studio.editor->post(label, set_layer(index, std::move(layer)),
-                      fmt::format("{} {} {}", what, index, studio.drags));
-  touch_map(studio);
-}
-
 void draw_switch(Ui& ui, std::size_t i) {
   Studio& studio = ui.studio;
   const LayerSnapshot& layer = studio.snapshot->layers[i];
@@ -75,6 +67,8 @@ void draw_row(Ui& ui, std::size_t i) {
   ImGui::AlignTextToFramePadding();
   if (ImGui::Selectable(label.c_str(), studio.selected_layer == i, 0, {room, 0})) {
     studio.selected_layer = i;
+    studio.part.clear();
+    studio.selected_stroke = 0;
     studio.flat_is_stale = true;
     if (studio.show_selection) touch_view(studio);
   }
@@ -102,52 +96,6 @@ ParamList describe(LayerNumbers& numbers) {
            .max = 1}};
 }
 
-// Numbers that every selection has.
-struct SelectionNumbers {
-  double grow = 0, feather = 0;
-  bool invert = false;
-};
-ParamList describe(SelectionNumbers& numbers) {
-  return {{.name = "grow",
-           .help = "widens the selection; negative narrows it",
-           .target = &numbers.grow,
-           .min = -1000,
-           .max = 1000,
-           .unit = "mm"},
-          {.name = "feather",
-           .help = "softens its edge",
-           .target = &numbers.feather,
-           .min = 0,
-           .max = 1000,
-           .unit = "mm"},
-          {.name = "invert", .help = "what was not selected", .target = &numbers.invert}};
-}
-
-// Whole-grid operations take neither.
-bool has_selection(const std::string& kind) {
-  static const std::vector<std::string> whole{"hallucinate", "crop",     "tile",      "flip",
-                                              "rotate",      "resample", "synthesize"};
-  return std::find(whole.begin(), whole.end(), kind) == whole.end();
-}
-
-bool draw_selection(Ui& ui, Document& layer, bool& ended) {
-  const Document* selection = find(layer, "selection");
-  if (selection == nullptr) {
-    ImGui::TextDisabled("on all of the map; draw with a tool to select");
-    return false;
-  }
-  const Document* type = find(*selection, "type");
-  ImGui::TextDisabled("selection: %s",
-                      type != nullptr ? as_string(*type).c_str() : "of several parts");
-  Document changed = *selection;
-  SelectionNumbers numbers;
-  ImGui::PushID("selection");
-  const bool edits = draw_params(ui, describe(numbers), changed, ended);
-  ImGui::PopID();
-  if (edits) set(layer, "selection", std::move(changed));
-  return edits;
-}
-
 // Name, parameters of the operation, opacity, and the selection.
 void draw_controls(Ui& ui, std::size_t index) {
   const LayerSnapshot& layer = ui.studio.snapshot->layers[index];
@@ -162,17 +110,18 @@ void draw_controls(Ui& ui, std::size_t index) {
   mark(ui.probe, "layer name");
   if (const OperationKind* kind = find_kind(layer.kind); kind != nullptr && kind->params) {
     const OperationKind::Params params = kind->params();
+    if (layer.kind == "interpolate") edits |= draw_stroke_list(ui, changed, true, ended);
     edits |= draw_params(ui, params.list, changed, ended);
   }
-  if (has_selection(layer.kind)) {
+  if (takes_selection(layer.kind)) {
     ImGui::Separator();
     LayerNumbers numbers;
     edits |= draw_params(ui, describe(numbers), changed, ended);
-    edits |= draw_selection(ui, changed, ended);
+    edits |= draw_selection_form(ui, changed, ended);
   }
   if (edits)
-    post_layer(ui, index, std::move(changed), layer.name + ": " + ui.edited_key,
-               "params " + ui.edited_key);
+    change_layer(ui.studio, std::move(changed), layer.name + ": " + ui.edited_key,
+                 fmt::format("params {} {} {}", index, ui.edited_key, ui.studio.drags));
   if (ended) ++ui.studio.drags;
 }
 

@@ -18,7 +18,7 @@ constexpr Shortcut shortcuts[] = {
     {"Ctrl+S, Ctrl+Shift+S", "save the recipe; under another name"},
     {"Ctrl+Z, Ctrl+Y", "undo, redo (also Ctrl+Shift+Z): layers, light, camera"},
     {"Ctrl+Q", "quit"},
-    {"1 … 8", "tools, from top to bottom"},
+    {"1 … 9", "tools, from top to bottom"},
     {"V, Shift+V", "next view mode, previous one"},
     {"M", "show the selection on the mesh"},
     {"F", "frame the mesh"},

@@ -60,9 +60,22 @@ void update_scene_history(Studio& studio) {
   if (!studio.is_held && studio.now_s - studio.last_change_s >= rest_s) note_scene_now(studio);
 }
 
+// Panels see a posted layer at once.
+void show_pending(Studio& studio) {
+  if (!studio.pending_layer) return;
+  const auto& [index, source] = *studio.pending_layer;
+  if (index >= studio.snapshot->layers.size()) return;
+  auto shown = std::make_shared<EditorSnapshot>(*studio.snapshot);
+  shown->layers[index].source = source;
+  studio.snapshot = std::move(shown);
+}
+
 void update_map(Studio& studio) {
   if (studio.editor == nullptr) return;
+  const bool is_busy = studio.editor->activity().busy;
   studio.snapshot = studio.editor->snapshot();
+  if (!is_busy) studio.pending_layer.reset();
+  show_pending(studio);
   if (std::optional<std::string> error = studio.editor->take_error())
     report(studio, std::move(*error), true);
   if (studio.snapshot->version == studio.seen_version) return;
@@ -165,7 +178,8 @@ void update_autosave(Studio& studio) {
 
 const std::vector<std::string>& tool_names() {
   static const std::vector<std::string> names{"orbit", "light", "scribble +", "scribble -",
-                                              "brush", "pick",  "paint",      "stamp"};
+                                              "brush", "pick",  "paint",      "stamp",
+                                              "select"};
   return names;
 }
 
@@ -230,6 +244,7 @@ void touch_view(Studio& studio) {
 
 void touch_map(Studio& studio) {
   note_scene_now(studio);  // what was done before the edit is undone after it
+  studio.pending_layer.reset();
   studio.last_change_s = studio.now_s;
   if (studio.edit_started_s < 0) studio.edit_started_s = studio.now_s;
   stop_refining(studio);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/studio/editor.h"
@@ -17,6 +18,7 @@
 #include "app/studio/pictures.h"
 #include "app/studio/refiner.h"
 #include "app/studio/scene_history.h"
+#include "app/studio/selection_edit.h"
 #include "app/studio/stage.h"
 #include "compress/compress_params.h"
 #include "material/bssrdf_table.h"
@@ -24,7 +26,17 @@
 
 namespace parian {
 
-enum class Tool { orbit, light, scribble_plus, scribble_minus, brush, eyedropper, paint, stamp };
+enum class Tool {
+  orbit,
+  light,
+  scribble_plus,
+  scribble_minus,
+  brush,
+  eyedropper,
+  paint,
+  stamp,
+  select
+};
 const std::vector<std::string>& tool_names();
 
 enum class FlatMode { albedo, range, mean_radius, selection, uniform, disc, line, beam };
@@ -109,6 +121,11 @@ struct Studio {
   HomogeneousControls homogeneous;
   std::shared_ptr<const SecondMaterial> second;
   std::optional<std::size_t> selected_layer;
+  PartPath part;                       // of its selection
+  std::size_t selected_stroke = 0;     // of a scribble
+  std::optional<std::size_t> grabbed;  // handle of the part, while it is dragged
+  // A layer as it was posted, until the editor has done it: what is changed next is changed in it.
+  std::optional<std::pair<std::size_t, Document>> pending_layer;
   std::uint64_t seen_version = 0, saved_version = 0, autosaved_version = 0;
 
   // Stage.

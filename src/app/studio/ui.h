@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,12 +16,15 @@
 
 namespace parian {
 
+struct Ui;
+
 // A choice of files by walking through folders.
 struct FileDialog {
   enum class Action {
     open,
     open_second,
     open_photograph,
+    choose,
     save_recipe,
     save_map,
     save_picture,
@@ -28,6 +33,8 @@ struct FileDialog {
   Action action = Action::open;
   bool wants_open = false;
   std::string folder, name;
+  std::string title;  // of `choose`
+  std::function<void(Ui&, const std::string& path)> then;
 };
 
 struct Ui {
@@ -45,6 +52,8 @@ struct Ui {
   // The layer whose text is being edited, and the text.
   std::optional<std::size_t> text_layer;
   std::string text;
+  std::array<double, 2> bounds{};                 // of the property that a threshold compares
+  std::array<std::uint64_t, 4> bounds_of{};       // map, its state, property and channel
   std::string edited_key;                         // of the parameter that was changed last
   std::optional<double> shape_drag;               // the point of the shape curve that is held
   std::vector<std::array<float, 2>> view_stroke;  // a stroke on the mesh, on the screen
@@ -71,10 +80,17 @@ bool draw_quit(Ui& ui);
 void handle_shortcuts(Ui& ui);
 void start_dialog(Ui& ui, FileDialog::Action action, const std::string& name);
 void save_present_recipe(Ui& ui);
+// Any file, for what `then` does with it.
+void choose_file(Ui& ui, const std::string& title,
+                 std::function<void(Ui&, const std::string& path)> then);
 
 // Sliders for described parameters inside a document: sets changed keys there and returns true.
 // `ended`: a drag was let go.
 bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ended);
+
+// The selection of a layer, and strokes under "strokes", with parameters of their own or without.
+bool draw_selection_form(Ui& ui, Document& layer, bool& ended);
+bool draw_stroke_list(Ui& ui, Document& holder, bool with_adjust, bool& ended);
 
 // The item that ImGui drew last, for scripted runs.
 void mark(Probe& probe, const std::string& name);
