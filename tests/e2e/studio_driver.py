@@ -11,6 +11,8 @@ import signal
 import subprocess
 import time
 
+from xdnd import drop_files
+
 TIMEOUT = 120
 
 
@@ -158,6 +160,10 @@ class Studio:
         self.release(button)
         if held:
             self.xdotool("keyup", held)
+
+    def drop(self, *paths):
+        """Files from another program, dropped on the 3-D view all at once."""
+        drop_files(self.env["DISPLAY"], int(self.window), paths, *self.place("view"))
 
     def leave_widgets(self):
         """Where nothing is under the mouse."""

@@ -110,8 +110,10 @@ void draw_controls(Ui& ui, std::size_t index) {
   mark(ui.probe, "layer name");
   if (const OperationKind* kind = find_kind(layer.kind); kind != nullptr && kind->params) {
     const OperationKind::Params params = kind->params();
-    if (layer.kind == "interpolate") edits |= draw_stroke_list(ui, changed, true, ended);
-    edits |= draw_params(ui, params.list, changed, ended);
+    const bool has_strokes = layer.kind == "interpolate";
+    if (has_strokes) edits |= draw_stroke_list(ui, changed, true, ended);
+    edits |= has_strokes ? draw_folded_params(ui, params.list, changed, ended)
+                         : draw_params(ui, params.list, changed, ended);
   }
   if (takes_selection(layer.kind)) {
     ImGui::Separator();

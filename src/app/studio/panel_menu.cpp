@@ -230,9 +230,6 @@ void handle_key(Ui& ui, const KeyPress& key) {
     case key_f1:
       ui.shows_help = !ui.shows_help;
       return;
-    case key_f12:
-      ui.wants_screenshot = true;
-      return;
     case key_escape:
       return cancel_all(studio);
     case 'V':
@@ -289,6 +286,7 @@ void draw_help(Ui& ui) {
 void handle_shortcuts(Ui& ui) {
   const std::vector<KeyPress> keys = ui.window.take_keys();
   ui.probe.input.keys += keys.size();
+  for (const KeyPress& key : keys) ui.wants_screenshot |= key.key == key_f12;
   if (ImGui::GetIO().WantTextInput || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId)) return;
   for (const KeyPress& key : keys)
     if (key.control)

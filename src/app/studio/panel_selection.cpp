@@ -188,7 +188,7 @@ bool draw_kind(Ui& ui, Document& part) {
     return false;
   }
   part = change_part(part, *kind, make_start(ui.studio));
-  ui.edited_key = "selection kind";
+  ui.edited_key = "kind of selection";
   return true;
 }
 
@@ -325,6 +325,20 @@ void reset_bounds(Ui& ui, Document& part) {
   remove_key(part, "high");
 }
 
+bool draw_threshold(Ui& ui, const ParamList& params, Document& part, bool& ended) {
+  const auto pick = [&](const std::vector<std::string>& names) {
+    ParamList picked;
+    for (const Param& param : params)
+      if (std::find(names.begin(), names.end(), param.name) != names.end()) picked.push_back(param);
+    return picked;
+  };
+  bool changed = draw_params(ui, pick({"property"}), part, ended);
+  if (changed) reset_bounds(ui, part);
+  changed |= draw_bounds(ui, part, ended);
+  changed |= draw_params(ui, pick({"softness", "state"}), part, ended);
+  return changed;
+}
+
 bool draw_table(Ui& ui, Document& part, bool& ended) {
   const Document* distance = find(part, "distance");
   if (distance == nullptr || as_string(*distance) != "bssrdf") {
@@ -346,26 +360,9 @@ bool draw_table(Ui& ui, Document& part, bool& ended) {
 bool draw_numbers(Ui& ui, Document& part, bool& ended) {
   const SelectionKind& kind = kind_of(part_type(part));
   const OperationKind::Params params = kind.params();
-  ParamList shown = params.list, rest;
-  std::erase_if(shown, [](const Param& param) { return param.name == "low" || param.name == "high"; });
-  // How strokes are spread is for those who know.
-  constexpr std::size_t most = 4;
-  if (shown.size() > 2 * most) {
-    rest.assign(shown.begin() + most, shown.end());
-    shown.resize(most);
-  }
-  const bool is_threshold = kind.name == "threshold";
-  const Document before = is_threshold ? get(part, "property") : Document();
-  bool changed = draw_params(ui, shown, part, ended);
-  if (changed && is_threshold && !is_same_value(before, get(part, "property")))
-    reset_bounds(ui, part);
-  changed |= draw_bounds(ui, part, ended);
-  if (takes_key(kind, "table")) changed |= draw_table(ui, part, ended);
-  if (!rest.empty() && ImGui::TreeNode("how they spread")) {
-    changed |= draw_params(ui, rest, part, ended);
-    ImGui::TreePop();
-  }
-  return changed;
+  if (kind.name == "threshold") return draw_threshold(ui, params.list, part, ended);
+  const bool changed = draw_folded_params(ui, params.list, part, ended);
+  return (takes_key(kind, "table") && draw_table(ui, part, ended)) || changed;
 }
 
 bool draw_unit(Ui& ui, Document& part, bool& ended) {

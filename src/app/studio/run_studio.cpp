@@ -229,11 +229,11 @@ void run_studio(const StudioOptions& options) {
                  .height = options.height,
                  .scale = options.scale,
                  .title = "Parian Studio",
-                 .on_drop = [&](const std::string& path) { open_file(studio, path); }});
+                 .on_drop = [&](const std::vector<std::string>& paths) { open_files(studio, paths); }});
   start_studio(studio, {.state_folder = options.state_folder.empty() ? user_state_folder()
                                                                      : options.state_folder,
                         .data_folder = options.data_folder});
-  for (const std::string& file : options.files) open_file(studio, file);
+  open_files(studio, options.files);
   const WakeWindow wakes(studio);
   Probe probe{.path = options.probe};
   Ui ui{.studio = studio, .probe = probe, .window = window};

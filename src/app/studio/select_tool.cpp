@@ -75,7 +75,7 @@ void select_places(Studio& studio, const Stroke& stroke) {
   if (layer != nullptr && takes_selection(layer->kind)) return select_in(studio, *layer, line);
   auto part = make_rectangle(line, size_of(studio.snapshot->after));
   if (!part) return report(studio, needs_a_drag, true);
-  Document added = make_default_layer("adjust", "selection");
+  Document added = make_default_layer("adjust", "region");
   set(added, "selection", *std::move(part));
   add_layer(studio, std::move(added));
 }

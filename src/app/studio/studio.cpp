@@ -60,16 +60,6 @@ void update_scene_history(Studio& studio) {
   if (!studio.is_held && studio.now_s - studio.last_change_s >= rest_s) note_scene_now(studio);
 }
 
-// Panels see a posted layer at once.
-void show_pending(Studio& studio) {
-  if (!studio.pending_layer) return;
-  const auto& [index, source] = *studio.pending_layer;
-  if (index >= studio.snapshot->layers.size()) return;
-  auto shown = std::make_shared<EditorSnapshot>(*studio.snapshot);
-  shown->layers[index].source = source;
-  studio.snapshot = std::move(shown);
-}
-
 void update_map(Studio& studio) {
   if (studio.editor == nullptr) return;
   const bool is_busy = studio.editor->activity().busy;
@@ -209,6 +199,7 @@ void report(Studio& studio, std::string text, bool is_error) {
 void update(Studio& studio, double now_s) {
   studio.now_s = now_s;
   for (const std::string& error : studio.jobs.poll()) report(studio, error, true);
+  open_waiting(studio);
   update_map(studio);
   apply_strokes(studio);
   update_scene_history(studio);
@@ -223,7 +214,7 @@ bool is_settled(const Studio& studio) {
   // The refinement goes on for long: its first pass counts.
   for (const JobView& job : studio.jobs.views())
     if (job.name != "refine") return false;
-  if (studio.is_stale) return false;
+  if (studio.is_stale || !studio.waiting_files.empty()) return false;
   if (studio.snapshot != nullptr && studio.flat_is_stale) return false;
   if (studio.editor != nullptr &&
       (studio.editor->activity().busy || studio.editor->snapshot() != studio.snapshot))

@@ -180,6 +180,7 @@ struct Studio {
 
   std::deque<Message> messages;
   std::vector<std::string> recent;
+  std::deque<std::string> waiting_files;  // until the map that they need is open
   std::optional<std::string> recoverable;  // path of an autosaved recipe
   std::uint64_t drags = 0;  // finished ones: a drag of a slider is one entry of the history
   double now_s = 0;

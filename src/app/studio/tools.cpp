@@ -90,6 +90,16 @@ void change_layer(Studio& studio, Document layer, std::string label, std::string
                       std::move(merge_key));
   touch_map(studio);
   studio.pending_layer = {*studio.selected_layer, std::move(layer)};
+  show_pending(studio);
+}
+
+void show_pending(Studio& studio) {
+  if (!studio.pending_layer) return;
+  const auto& [index, source] = *studio.pending_layer;
+  if (index >= studio.snapshot->layers.size()) return;
+  auto shown = std::make_shared<EditorSnapshot>(*studio.snapshot);
+  shown->layers[index].source = source;
+  studio.snapshot = std::move(shown);
 }
 
 // Operations that change the grid take the whole map.

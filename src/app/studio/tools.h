@@ -15,6 +15,8 @@ Document make_default_layer(const std::string& operation, const std::string& nam
 void add_layer(Studio& studio, Document layer);
 // The selected layer as it shall be; what has the same key as the last change is one entry with it.
 void change_layer(Studio& studio, Document layer, std::string label, std::string merge_key = {});
+// Panels see it at once, also while the editor works.
+void show_pending(Studio& studio);
 bool takes_selection(const std::string& operation);
 
 // The layer that is selected, or null, and the part of its selection.

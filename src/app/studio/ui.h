@@ -88,6 +88,9 @@ void choose_file(Ui& ui, const std::string& title,
 // `ended`: a drag was let go.
 bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ended);
 
+// The same for the many of strokes: most of them are folded away.
+bool draw_folded_params(Ui& ui, const ParamList& params, Document& document, bool& ended);
+
 // The selection of a layer, and strokes under "strokes", with parameters of their own or without.
 bool draw_selection_form(Ui& ui, Document& layer, bool& ended);
 bool draw_stroke_list(Ui& ui, Document& holder, bool with_adjust, bool& ended);
