@@ -176,8 +176,8 @@ def check_layers(studio):
     count_layers(studio, 4, "removed filter")
     # What needs something first says so.
     studio.click("add layer")
-    studio.click("add layer/interpolate", u=0.1)
-    studio.message("scribble first")
+    studio.click("add layer/hallucinate", u=0.1)
+    studio.message("Material from photograph")
     for layer in (2, 1):
         studio.click(f"layer/{layer}/remove")
         count_layers(studio, layer + 1, "fewer layers")

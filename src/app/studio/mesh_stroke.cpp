@@ -14,8 +14,8 @@ struct MeshPoint {
   std::optional<Place> place;  // none: beside the mesh
 };
 
-// Between points of the screen this far apart the map may fold back in a mirrored repetition.
-constexpr double longest_step_px = 2;
+// Between points of the screen farther apart the map may fold back in a mirrored repetition.
+constexpr double longest_step_px = 1;
 // Where the map still jumps between points this close, it has a seam there.
 constexpr double seam_step_px = 1.0 / 16;
 

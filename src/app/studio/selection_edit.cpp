@@ -47,6 +47,18 @@ Document make_threshold(const EditState& state) {
   return part;
 }
 
+// Lines along an axis have no area, but what comes after them shall have some.
+void widen(PlaceBox& box, const MapSize& size) {
+  const Place sides{box[1][0] - box[0][0], box[1][1] - box[0][1]};
+  const double least =
+      std::max(0.5 * std::max(sides[0], sides[1]), 0.1 * std::min(size.width_mm, size.height_mm));
+  for (std::size_t i = 0; i < 2; ++i)
+    if (sides[i] < 0.1 * least) {
+      box[0][i] -= 0.5 * least;
+      box[1][i] += 0.5 * least;
+    }
+}
+
 // Keys that mean the same wherever they stand.
 constexpr const char* common_keys[] = {"grow",  "feather", "invert", "distance",
                                        "table", "state",   "sigma"};
@@ -161,7 +173,10 @@ Document change_part(const Document& part, const std::string& kind, PartStart st
   Document from = part;
   convert_unit(from, false, size_of(start.state));
   Document changed = make_part(kind, start);
-  if (const auto box = find_box(from)) place_part(changed, *box);
+  if (auto box = find_box(from)) {
+    widen(*box, size_of(start.state));
+    place_part(changed, *box);
+  }
   for (const SelectionKind& known : selection_kinds()) {
     if (known.name != kind) continue;
     for (const char* key : common_keys) {

@@ -70,11 +70,11 @@ void update_map(Studio& studio) {
     report(studio, std::move(*error), true);
   if (studio.snapshot->version == studio.seen_version) return;
   studio.seen_version = studio.snapshot->version;
-  if (studio.selected_layer && *studio.selected_layer >= studio.snapshot->layers.size()) {
+  const std::size_t layers = studio.snapshot->layers.size();
+  if (layers == 0)
     studio.selected_layer.reset();
-    if (!studio.snapshot->layers.empty())
-      studio.selected_layer = studio.snapshot->layers.size() - 1;
-  }
+  else
+    studio.selected_layer = std::min(studio.selected_layer.value_or(layers - 1), layers - 1);
   if (!studio.is_homogeneous) {
     studio.material = studio.snapshot->material;
     studio.shown_compressed.reset();
