@@ -9,14 +9,10 @@ broken files and tiny windows, crashes and recovers. With --keep screenshots sta
 
 import json
 import math
-import pathlib
-import shutil
 import subprocess
-import sys
-import tempfile
 import time
 
-from studio_driver import TIMEOUT, Display, Studio
+from studio_driver import TIMEOUT, Studio, run_sessions
 
 WIDTH, HEIGHT = 1280, 720
 
@@ -418,24 +414,16 @@ def third_session(program, display, folder):
 
 
 def main():
-    program, source_dir = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-    keep = pathlib.Path(sys.argv[4]) if sys.argv[3:4] == ["--keep"] else None
     figures = {}
     started = time.monotonic()
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        display = Display(WIDTH, HEIGHT)
-        try:
-            first_session(program, display, folder, figures)
-            second_session(program, display, folder)
-            third_session(program, display, folder)
-            check_recipe(program, source_dir, folder)
-        finally:
-            display.stop()
-            if keep is not None:
-                keep.mkdir(parents=True, exist_ok=True)
-                for path in folder.glob("studio-*.png"):
-                    shutil.copy(path, keep)
+
+    def run(program, source_dir, display, folder):
+        first_session(program, display, folder, figures)
+        second_session(program, display, folder)
+        third_session(program, display, folder)
+        check_recipe(program, source_dir, folder)
+
+    run_sessions(run, WIDTH, HEIGHT)
     figures["seconds"] = time.monotonic() - started
     for name, value in figures.items():
         print(f"{name}: {value:.3g}")

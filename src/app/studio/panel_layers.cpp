@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/studio/strokes.h"
 #include "app/studio/tools.h"
 #include "app/studio/ui.h"
 #include "base/error.h"
@@ -96,31 +97,65 @@ ParamList describe(LayerNumbers& numbers) {
            .max = 1}};
 }
 
-// Name, parameters of the operation, opacity, and the selection.
+bool draw_name(Ui& ui, const LayerSnapshot& layer, Document& changed, bool& ended) {
+  std::string name = layer.name;
+  const bool edits =
+      ImGui::InputText("name", &name, ImGuiInputTextFlags_EnterReturnsTrue) && !name.empty();
+  mark(ui.probe, "layer name");
+  if (!edits) return false;
+  set(changed, "name", name);
+  ui.edited_key = "name";
+  return ended = true;
+}
+
+// Places and profiles that operations take from the map.
+bool draw_sources(Ui& ui, const LayerSnapshot& layer, Document& changed, bool& ended) {
+  bool edits = false;
+  for (const char* key : {"min", "max", "to"}) edits |= draw_place(ui, changed, key, ended);
+  if (layer.kind != "blend") return edits;
+  ImGui::BeginDisabled(!ui.studio.picked);
+  if (ImGui::Button("mix in the picked profile")) {
+    set(changed, "from", describe_picked(*ui.studio.picked));
+    ui.edited_key = "profile";
+    edits = ended = true;
+  }
+  ImGui::EndDisabled();
+  mark(ui.probe, "take picked");
+  return edits;
+}
+
+bool draw_operation(Ui& ui, const LayerSnapshot& layer, Document& changed, bool& ended) {
+  const OperationKind* kind = find_kind(layer.kind);
+  if (kind == nullptr || !kind->params) return false;
+  const bool open = ImGui::CollapsingHeader((layer.kind + "###operation").c_str(),
+                                            ImGuiTreeNodeFlags_DefaultOpen);
+  mark(ui.probe, "section/operation");
+  if (!open) return false;
+  const OperationKind::Params params = kind->params();
+  bool edits = draw_sources(ui, layer, changed, ended);
+  if (layer.kind == "interpolate") {
+    edits |= draw_stroke_list(ui, changed, true, ended);
+    return draw_folded_params(ui, params.list, changed, ended) || edits;
+  }
+  return draw_params(ui, params.list, changed, ended) || edits;
+}
+
+bool draw_selection(Ui& ui, Document& changed, bool& ended) {
+  const bool open = ImGui::CollapsingHeader("selection", ImGuiTreeNodeFlags_DefaultOpen);
+  mark(ui.probe, "section/selection");
+  return open && draw_selection_form(ui, changed, ended);
+}
+
+// Name, opacity, parameters of the operation, and the selection.
 void draw_controls(Ui& ui, std::size_t index) {
   const LayerSnapshot& layer = ui.studio.snapshot->layers[index];
+  const bool has_selection = takes_selection(layer.kind);
   Document changed = layer.source;
-  bool ended = false, edits = false;
-  std::string name = layer.name;
-  if (ImGui::InputText("name", &name, ImGuiInputTextFlags_EnterReturnsTrue) && !name.empty()) {
-    set(changed, "name", name);
-    ui.edited_key = "name";
-    edits = true;
-  }
-  mark(ui.probe, "layer name");
-  if (const OperationKind* kind = find_kind(layer.kind); kind != nullptr && kind->params) {
-    const OperationKind::Params params = kind->params();
-    const bool has_strokes = layer.kind == "interpolate";
-    if (has_strokes) edits |= draw_stroke_list(ui, changed, true, ended);
-    edits |= has_strokes ? draw_folded_params(ui, params.list, changed, ended)
-                         : draw_params(ui, params.list, changed, ended);
-  }
-  if (takes_selection(layer.kind)) {
-    ImGui::Separator();
-    LayerNumbers numbers;
-    edits |= draw_params(ui, describe(numbers), changed, ended);
-    edits |= draw_selection_form(ui, changed, ended);
-  }
+  bool ended = false, edits = draw_name(ui, layer, changed, ended);
+  LayerNumbers numbers;
+  if (has_selection) edits |= draw_params(ui, describe(numbers), changed, ended);
+  edits |= draw_operation(ui, layer, changed, ended);
+  if (has_selection) edits |= draw_selection(ui, changed, ended);
   if (edits)
     change_layer(ui.studio, std::move(changed), layer.name + ": " + ui.edited_key,
                  fmt::format("params {} {} {}", index, ui.edited_key, ui.studio.drags));
@@ -133,12 +168,16 @@ void draw_text(Ui& ui, std::size_t index) {
     ui.text_layer.reset();
     return;
   }
-  if (ui.text_layer != index) {
-    ui.text = format_document(layer.source);
+  const std::string present = format_document(layer.source);
+  // Text that nobody has touched follows the layer.
+  if (ui.text_layer != index || (ui.text == ui.text_before && present != ui.text_before)) {
+    ui.text = ui.text_before = present;
     ui.text_layer = index;
   }
   ImGui::InputTextMultiline("##text", &ui.text, {-1, ImGui::GetTextLineHeight() * 12});
-  if (ImGui::Button("apply")) {
+  const bool applies = ImGui::Button("apply");
+  mark(ui.probe, "apply text");
+  if (applies) {
     try {
       ui.studio.editor->post("text of " + layer.name,
                              set_layer(index, parse_document(ui.text, layer.name)));

@@ -192,24 +192,6 @@ bool draw_kind(Ui& ui, Document& part) {
   return true;
 }
 
-bool draw_place(Ui& ui, Document& part, const char* key, bool& ended) {
-  const Document* node = find(part, key);
-  if (node == nullptr) return false;
-  std::vector<double> place = as_numbers(*node);
-  if (place.size() != 2) return false;
-  const float speed = is_relative(part) ? 0.002f : 0.02f;
-  const bool changed =
-      ImGui::DragScalarN(key, ImGuiDataType_Double, place.data(), 2, speed, nullptr, nullptr,
-                         "%.4g");
-  ended |= ImGui::IsItemDeactivatedAfterEdit();
-  mark(ui.probe, std::string("place/") + key);
-  explain(is_relative(part) ? "x and y, parts of the map's width and height" : "x and y in mm");
-  if (!changed) return false;
-  set(part, key, Document::Array{place[0], place[1]});
-  ui.edited_key = key;
-  return true;
-}
-
 bool draw_places(Ui& ui, Document& part, bool& ended) {
   bool changed = false;
   for (const char* key : {"min", "max", "center", "radii", "from", "to", "at"})
@@ -390,11 +372,29 @@ bool draw_part_form(Ui& ui, Document& part, bool& ended) {
 
 }  // namespace
 
+bool draw_place(Ui& ui, Document& part, const char* key, bool& ended) {
+  const Document* node = find(part, key);
+  if (node == nullptr) return false;
+  std::vector<double> place = as_numbers(*node);
+  if (place.size() != 2) return false;
+  const float speed = is_relative(part) ? 0.002f : 0.02f;
+  const bool changed =
+      ImGui::DragScalarN(key, ImGuiDataType_Double, place.data(), 2, speed, nullptr, nullptr,
+                         "%.4g");
+  ended |= ImGui::IsItemDeactivatedAfterEdit();
+  mark(ui.probe, std::string("place/") + key);
+  explain(is_relative(part) ? "x and y, parts of the map's width and height" : "x and y in mm");
+  if (!changed) return false;
+  set(part, key, Document::Array{place[0], place[1]});
+  ui.edited_key = key;
+  return true;
+}
+
 bool draw_selection_form(Ui& ui, Document& layer, bool& ended) {
   const Document* present = find(layer, "selection");
   std::optional<Document> selection = present != nullptr ? std::optional(*present) : std::nullopt;
   ImGui::PushID("selection");
-  ImGui::TextDisabled(selection ? "selection" : "on all of the map");
+  if (!selection) ImGui::TextDisabled("on all of the map");
   bool changed = selection && draw_parts(ui, selection);
   changed |= draw_add(ui, selection);
   ended |= changed;

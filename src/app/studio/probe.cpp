@@ -117,6 +117,10 @@ void describe_scene(Document& state, const Studio& studio) {
   set(state, "azimuth_deg", studio.lighting.azimuth_deg);
   set(state, "rotation_deg", studio.lighting.rotation_deg);
   set(state, "brush_mm", studio.brush_radius_mm);
+  set(state, "show_selection", studio.show_selection);
+  Document::Array rows;
+  for (const HistoryRow& row : view_history(studio).rows) rows.emplace_back(row.label);
+  set(state, "rows", std::move(rows));
 }
 
 Document describe_state(Probe& probe, const Studio& studio) {

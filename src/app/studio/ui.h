@@ -51,7 +51,7 @@ struct Ui {
   std::string screenshot_path;
   // The layer whose text is being edited, and the text.
   std::optional<std::size_t> text_layer;
-  std::string text;
+  std::string text, text_before;
   std::array<double, 2> bounds{};                 // of the property that a threshold compares
   std::array<std::uint64_t, 4> bounds_of{};       // map, its state, property and channel
   std::string edited_key;                         // of the parameter that was changed last
@@ -92,6 +92,7 @@ bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ende
 bool draw_folded_params(Ui& ui, const ParamList& params, Document& document, bool& ended);
 
 // The selection of a layer, and strokes under "strokes", with parameters of their own or without.
+bool draw_place(Ui& ui, Document& part, const char* key, bool& ended);
 bool draw_selection_form(Ui& ui, Document& layer, bool& ended);
 bool draw_stroke_list(Ui& ui, Document& holder, bool with_adjust, bool& ended);
 
