@@ -108,10 +108,11 @@ void draw_flat_options(Ui& ui) {
   ImGui::SameLine();
   const double pitch = studio.snapshot->after.pixel_pitch_mm;
   const double least = 0.25 * pitch, most = 0.25 * pitch * studio.snapshot->after.width;
-  ImGui::SetNextItemWidth(std::max(4 * em, ImGui::GetContentRegionAvail().x));
+  const float room = std::max(4 * em, ImGui::GetContentRegionAvail().x);
+  ImGui::SetNextItemWidth(room);
   const auto speed = static_cast<float>(0.01 * studio.brush_radius_mm);
   ImGui::DragScalar("##brush", ImGuiDataType_Double, &studio.brush_radius_mm, speed, &least, &most,
-                    "brush %.2f mm", ImGuiSliderFlags_AlwaysClamp);
+                    room > 8 * em ? "brush %.2f mm" : "%.2f mm", ImGuiSliderFlags_AlwaysClamp);
   mark(ui.probe, "brush");
   explain("radius of strokes: drag to the left and right ([ and ])");
   if (studio.second == nullptr) return;

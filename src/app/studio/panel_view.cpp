@@ -152,15 +152,17 @@ void draw_view_options(Ui& ui) {
   if (draw_choice(ui, "still", still_names(), studio.still)) touch_view(studio);
   explain("how good the picture becomes while nothing moves; exact: by the CPU renderer");
   ImGui::SameLine();
-  ImGui::SetNextItemWidth(std::max(4 * em, ImGui::GetContentRegionAvail().x));
+  const float room = std::max(4 * em, ImGui::GetContentRegionAvail().x);
+  ImGui::SetNextItemWidth(room);
   auto exposure = static_cast<float>(studio.exposure);
-  if (ImGui::DragFloat("##exposure", &exposure, 0.02f, -5, 5, "exposure %+.1f stops",
+  if (ImGui::DragFloat("##exposure", &exposure, 0.02f, -5, 5,
+                       room > 11 * em ? "exposure %+.1f stops" : "%+.1f stops",
                        ImGuiSliderFlags_AlwaysClamp)) {
     studio.exposure = static_cast<double>(exposure);
     touch_view(studio);
   }
   mark(ui.probe, "exposure");
-  explain("drag to the left and right (- and +)");
+  explain("exposure: drag to the left and right (- and +)");
 }
 
 }  // namespace

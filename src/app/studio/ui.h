@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/studio/probe.h"
@@ -55,6 +56,7 @@ struct Ui {
   std::array<double, 2> bounds{};                 // of the property that a threshold compares
   std::array<std::uint64_t, 4> bounds_of{};       // map, its state, property and channel
   std::string edited_key;                         // of the parameter that was changed last
+  std::pair<std::size_t, std::size_t> history_seen{};  // position and rows: what is new is shown
   std::optional<double> shape_drag;               // the point of the shape curve that is held
   std::vector<std::array<float, 2>> view_stroke;  // a stroke on the mesh, on the screen
 };
