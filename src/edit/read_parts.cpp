@@ -88,8 +88,9 @@ ChoiceTarget make_choice_of_two(bool& field, std::vector<std::string> names) {
 
 Param describe_state(bool& current) {
   return {.name = "state",
-          .help = "the map that is looked at: as it was when it got its grid, or as it is before "
-                  "the layer",
+          .help =
+              "the map that is looked at: as it was when it got its grid, or as it is before "
+              "the layer",
           .target = make_choice_of_two(current, {"original", "current"})};
 }
 

@@ -92,8 +92,8 @@ Read read_stroke(const Document& node, RecipeResources&) {
   BrushNumbers brush;
   read_numbers(node, describe(brush));
   return make_shape(node, [=](Mask& mask, const Grid& grid) {
-    draw_stroke(mask, all_to_pixels(points, unit, grid),
-                length_to_pixels(brush.radius, unit, grid), brush.hardness);
+    draw_stroke(mask, all_to_pixels(points, unit, grid), length_to_pixels(brush.radius, unit, grid),
+                brush.hardness);
   });
 }
 

@@ -27,17 +27,18 @@ ParamList describe(BrushNumbers& numbers) {
 
 ParamList describe(ThresholdNumbers& numbers) {
   constexpr double most = 1e9;
-  return {{.name = "property",
-           .help = "what is compared",
-           .target = make_choice(numbers.property, selection_property_names())},
-          {.name = "low", .help = "lower bound", .target = &numbers.low, .min = -most, .max = most},
-          {.name = "high", .help = "upper bound", .target = &numbers.high, .min = -most, .max = most},
-          {.name = "softness",
-           .help = "width of the transition at the bounds",
-           .target = &numbers.softness,
-           .min = 0,
-           .max = most},
-          describe_state(numbers.current)};
+  return {
+      {.name = "property",
+       .help = "what is compared",
+       .target = make_choice(numbers.property, selection_property_names())},
+      {.name = "low", .help = "lower bound", .target = &numbers.low, .min = -most, .max = most},
+      {.name = "high", .help = "upper bound", .target = &numbers.high, .min = -most, .max = most},
+      {.name = "softness",
+       .help = "width of the transition at the bounds",
+       .target = &numbers.softness,
+       .min = 0,
+       .max = most},
+      describe_state(numbers.current)};
 }
 
 ParamList describe(Modifiers& numbers) {

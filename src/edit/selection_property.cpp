@@ -14,8 +14,7 @@ Plane eval_color(const EditState& state, SelectionProperty property) {
   Plane values(pixels, 0.0);
   for (std::size_t i = 0; i < pixels; ++i) {
     Color rgb;
-    for (std::size_t c = 0; c < 3; ++c)
-      rgb[c] = albedo[(state.channels == 3 ? c : 0) * pixels + i];
+    for (std::size_t c = 0; c < 3; ++c) rgb[c] = albedo[(state.channels == 3 ? c : 0) * pixels + i];
     const Color lch = oklab_to_oklch(linear_to_oklab(rgb));
     const double degrees = lch[2] * 180 / std::numbers::pi;
     values[i] = property == SelectionProperty::lightness ? lch[0]

@@ -201,8 +201,7 @@ void list_operations() {
   }
   text += "\nselections, each with grow, feather, invert, unit\n";
   for (const SelectionKind& kind : selection_kinds())
-    text +=
-        fmt::format("  {}{}{}\n", kind.name, kind.keys.empty() ? "" : ": ", join(kind.keys));
+    text += fmt::format("  {}{}{}\n", kind.name, kind.keys.empty() ? "" : ": ", join(kind.keys));
   print_summary({}, text);
 }
 

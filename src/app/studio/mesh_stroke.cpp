@@ -48,8 +48,8 @@ void MeshLine::trace(const MeshPoint& from, const MeshPoint& to) const {
 
 void extend_mesh_stroke(Studio& studio, const Pixel& from, const Pixel& to) {
   if (studio.snapshot == nullptr || studio.stage == nullptr) return;
-  const MeshLine line{studio, std::max(studio.snapshot->after.pixel_pitch_mm,
-                                       studio.brush_radius_mm)};
+  const MeshLine line{studio,
+                      std::max(studio.snapshot->after.pixel_pitch_mm, studio.brush_radius_mm)};
   const MeshPoint start = line.look_at(from);
   if (studio.stroke.lines.empty() && start.place)
     extend_stroke(studio, (*start.place)[0], (*start.place)[1]);

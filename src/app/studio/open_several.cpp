@@ -13,8 +13,7 @@ bool needs_map(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".json" || extension == ".png" || extension == ".jpg" ||
-         extension == ".jpeg";
+  return extension == ".json" || extension == ".png" || extension == ".jpg" || extension == ".jpeg";
 }
 
 bool is_opening(const Studio& studio) {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "app/studio/flat_overlay.h"
+#include "app/studio/panel_overlay.h"
 #include "app/studio/pictures.h"
 #include "app/studio/tools.h"
 #include "app/studio/ui.h"
@@ -50,7 +50,8 @@ void draw_present_stroke(const Studio& studio, const FlatFrame& frame) {
   if (studio.stroke.lines.empty()) return;
   if (studio.tool == Tool::select) return draw_present_selection(studio, frame);
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const auto &first = studio.stroke.lines.front().front(), &last = studio.stroke.lines.back().back();
+  const auto &first = studio.stroke.lines.front().front(),
+             &last = studio.stroke.lines.back().back();
   if (studio.tool == Tool::stamp)
     return draw_outline(frame, {first[0], first[1], last[0], last[1]});
   for (const StrokeLine& points : studio.stroke.lines) {
@@ -65,8 +66,8 @@ void draw_present_stroke(const Studio& studio, const FlatFrame& frame) {
 }
 
 void draw_brush(const Studio& studio, const FlatFrame& frame) {
-  const bool is_brush = is_drawing_tool(studio.tool) && studio.tool != Tool::stamp &&
-                        studio.tool != Tool::select;
+  const bool is_brush =
+      is_drawing_tool(studio.tool) && studio.tool != Tool::stamp && studio.tool != Tool::select;
   if (!ImGui::IsItemHovered() || !is_brush) return;
   const auto radius = std::max(1.0f, static_cast<float>(studio.brush_radius_mm) * frame.per_mm);
   ImGui::GetWindowDrawList()->AddCircle(

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "app/studio/flat_overlay.h"
+#include "app/studio/panel_overlay.h"
 #include "app/studio/tools.h"
 
 namespace parian {

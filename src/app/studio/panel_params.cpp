@@ -136,7 +136,8 @@ bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ende
 bool draw_folded_params(Ui& ui, const ParamList& params, Document& document, bool& ended) {
   constexpr std::size_t most = 4;
   if (params.size() <= 2 * most) return draw_params(ui, params, document, ended);
-  const ParamList first(params.begin(), params.begin() + most), rest(params.begin() + most, params.end());
+  const ParamList first(params.begin(), params.begin() + most),
+      rest(params.begin() + most, params.end());
   bool changed = draw_params(ui, first, document, ended);
   const bool open = ImGui::TreeNode("how strokes spread");
   mark(ui.probe, "more params");

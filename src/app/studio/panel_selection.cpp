@@ -227,8 +227,8 @@ const std::array<double, 2>& property_bounds(Ui& ui, std::size_t property, int c
   const std::array<std::uint64_t, 4> key{snapshot.original, snapshot.version, property,
                                          static_cast<std::uint64_t>(channel + 1)};
   if (ui.bounds_of == key) return ui.bounds;
-  const Plane values = eval_selection_property(
-      snapshot.after, static_cast<SelectionProperty>(property), channel);
+  const Plane values =
+      eval_selection_property(snapshot.after, static_cast<SelectionProperty>(property), channel);
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   ui.bounds = {*low, std::max(*high, *low + 1e-6)};
   ui.bounds_of = key;
@@ -261,7 +261,8 @@ bool draw_bound(Ui& ui, Document& part, const char* key, const char* other,
     set(part, key, value);
     // The other one gives way.
     const Document* rest = find(part, other);
-    const bool crosses = rest != nullptr && (key == std::string("low")) == (as_number(*rest) < value) &&
+    const bool crosses = rest != nullptr &&
+                         (key == std::string("low")) == (as_number(*rest) < value) &&
                          as_number(*rest) != value;
     if (crosses) set(part, other, value);
   } else {
@@ -301,8 +302,7 @@ void reset_bounds(Ui& ui, Document& part) {
   const auto property = static_cast<std::size_t>(
       std::find(names.begin(), names.end(), as_string(get(part, "property"))) - names.begin());
   if (property >= 3) remove_key(part, "channel");
-  const std::array<double, 2> range =
-      property_bounds(ui, property, property >= 3 ? -1 : 0);
+  const std::array<double, 2> range = property_bounds(ui, property, property >= 3 ? -1 : 0);
   set(part, "low", 0.5 * (range[0] + range[1]));
   remove_key(part, "high");
 }
@@ -378,9 +378,8 @@ bool draw_place(Ui& ui, Document& part, const char* key, bool& ended) {
   std::vector<double> place = as_numbers(*node);
   if (place.size() != 2) return false;
   const float speed = is_relative(part) ? 0.002f : 0.02f;
-  const bool changed =
-      ImGui::DragScalarN(key, ImGuiDataType_Double, place.data(), 2, speed, nullptr, nullptr,
-                         "%.4g");
+  const bool changed = ImGui::DragScalarN(key, ImGuiDataType_Double, place.data(), 2, speed,
+                                          nullptr, nullptr, "%.4g");
   ended |= ImGui::IsItemDeactivatedAfterEdit();
   mark(ui.probe, std::string("place/") + key);
   explain(is_relative(part) ? "x and y, parts of the map's width and height" : "x and y in mm");

@@ -1,5 +1,5 @@
-// Strokes that are spread over like-looking pixels: of scribbles, and of layers `interpolate`, where
-// each has parameters of its own.
+// Strokes that are spread over like-looking pixels: of scribbles, and of layers `interpolate`,
+// where each has parameters of its own.
 #include <fmt/format.h>
 #include <imgui.h>
 

@@ -99,8 +99,8 @@ void handle_view_mouse(Ui& ui, ImVec2 origin) {
 // The stroke that is being drawn, and how large the brush is where it would touch.
 void draw_brush(const Ui& ui) {
   const Studio& studio = ui.studio;
-  if (!is_drawing_tool(studio.tool) || studio.tool == Tool::stamp ||
-      studio.tool == Tool::select || studio.is_homogeneous)
+  if (!is_drawing_tool(studio.tool) || studio.tool == Tool::stamp || studio.tool == Tool::select ||
+      studio.is_homogeneous)
     return;
   const ImU32 color = studio.tool == Tool::scribble_minus ? negative_color : positive_color;
   const CameraFrame frame =

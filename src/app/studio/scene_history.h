@@ -1,6 +1,6 @@
 // Undo for what is no part of the recipe: the light, the exposure, the camera, and the coefficients
-// of a homogeneous material. Entries remember how long the recipe's own history was, so that both are
-// undone in the order in which they were made.
+// of a homogeneous material. Entries remember how long the recipe's own history was, so that both
+// are undone in the order in which they were made.
 #pragma once
 
 #include <array>

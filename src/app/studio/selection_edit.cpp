@@ -86,8 +86,7 @@ const Document* find_part(const Document& selection, const PartPath& path) {
   for (const std::size_t index : path) {
     if (!is_set(part_type(*part))) return nullptr;
     const Document* parts = find(*part, "of");
-    const auto* array =
-        parts != nullptr ? std::get_if<Document::Array>(&parts->value) : nullptr;
+    const auto* array = parts != nullptr ? std::get_if<Document::Array>(&parts->value) : nullptr;
     if (array == nullptr || index >= array->size()) return nullptr;
     part = &(*array)[index];
   }
@@ -182,8 +181,8 @@ Document change_part(const Document& part, const std::string& kind, PartStart st
     for (const char* key : common_keys) {
       const bool is_modifier = std::string(key) == "grow" || std::string(key) == "feather" ||
                                std::string(key) == "invert";
-      const bool takes = is_modifier || std::find(known.keys.begin(), known.keys.end(), key) !=
-                                            known.keys.end();
+      const bool takes =
+          is_modifier || std::find(known.keys.begin(), known.keys.end(), key) != known.keys.end();
       if (const Document* member = find(from, key); takes && member != nullptr)
         set(changed, key, *member);
     }

@@ -22,10 +22,8 @@ struct SelectionEdit : testing::Test {
   std::optional<std::string> error;
 
   PartStart start() {
-    return {.state = state,
-            .at_mm = {2.25, 1.75},
-            .brush_mm = 0.75,
-            .file = folder.path + "/mask.exr"};
+    return {
+        .state = state, .at_mm = {2.25, 1.75}, .brush_mm = 0.75, .file = folder.path + "/mask.exr"};
   }
   void SetUp() override {
     std::filesystem::create_directories(folder.path);
@@ -36,8 +34,8 @@ struct SelectionEdit : testing::Test {
   std::vector<float> select(const Document& selection) {
     Document layer = make_adjust(2);
     set(layer, "selection", selection);
-    editor->post("select", editor->snapshot()->layers.empty() ? insert_layer(0, layer)
-                                                              : set_layer(0, layer));
+    editor->post("select",
+                 editor->snapshot()->layers.empty() ? insert_layer(0, layer) : set_layer(0, layer));
     editor->wait();
     error = editor->take_error();
     if (error || editor->snapshot()->layers.empty()) return {};
@@ -120,7 +118,8 @@ TEST_F(SelectionEdit, HandlesThatStayWhereTheyAreChangeNothing) {
       for (std::size_t i = 0; i < handles.size(); ++i) {
         move_handle(part, i, {handles[i][0] + 0.5, handles[i][1] + 0.25}, size);
         const Place moved = find_handles(part, size).at(i);
-        const double off = std::hypot(moved[0] - handles[i][0] - 0.5, moved[1] - handles[i][1] - 0.25);
+        const double off =
+            std::hypot(moved[0] - handles[i][0] - 0.5, moved[1] - handles[i][1] - 0.25);
         // The ellipse's second radius keeps its direction.
         EXPECT_LT(off, std::string(kind) == "ellipse" && i == 2 ? 1 : 1e-9) << kind << i;
         select(part);
@@ -178,8 +177,7 @@ TEST_F(SelectionEdit, PartsAreAddedRaisedAndRemoved) {
   Document selection = make_part("rectangle", start());
   EXPECT_EQ(add_part(selection, {}, make_part("ellipse", start())), (PartPath{1}));
   EXPECT_EQ(part_type(selection), "union");
-  set_part(selection, {1},
-           change_part(*find_part(selection, {1}), "difference", start()));
+  set_part(selection, {1}, change_part(*find_part(selection, {1}), "difference", start()));
   // Beside the chosen part: into the set that holds it.
   EXPECT_EQ(add_part(selection, {1, 0}, make_part("gradient", start())), (PartPath{1, 1}));
   EXPECT_EQ(part_type(*find_part(selection, {1, 1})), "gradient");

@@ -163,8 +163,7 @@ void move_ellipse(Document& part, std::size_t handle, const Place& to) {
   radii[handle - 1] = radius;
   set(part, "radii", to_point(radii));
   if (handle != 1) return;
-  const double degrees =
-      std::atan2(to[1] - center[1], to[0] - center[0]) * 180 / std::numbers::pi;
+  const double degrees = std::atan2(to[1] - center[1], to[0] - center[0]) * 180 / std::numbers::pi;
   const bool turns = find(part, "rotation_deg") != nullptr || std::abs(degrees) > 3;
   if (turns) set(part, "rotation_deg", degrees);
 }
@@ -182,8 +181,8 @@ std::optional<PlaceBox> find_box(const Document& part) {
   if (type == "gradient") return box_of({get_place(part, "from"), get_place(part, "to")});
   if (type != "ellipse") return std::nullopt;
   const Place center = get_place(part, "center"), radii = get_place(part, "radii");
-  return PlaceBox{{{center[0] - radii[0], center[1] - radii[1]},
-                   {center[0] + radii[0], center[1] + radii[1]}}};
+  return PlaceBox{
+      {{center[0] - radii[0], center[1] - radii[1]}, {center[0] + radii[0], center[1] + radii[1]}}};
 }
 
 void place_part(Document& part, const PlaceBox& box) {
@@ -199,8 +198,7 @@ void place_part(Document& part, const PlaceBox& box) {
     set(part, "center", to_point(middle));
     set(part, "radii", to_point(half));
   } else if (type == "polygon") {
-    set(part, "points",
-        to_points({low, {high[0], low[1]}, high, {low[0], high[1]}}));
+    set(part, "points", to_points({low, {high[0], low[1]}, high, {low[0], high[1]}}));
   } else if (type == "stroke") {
     set(part, "points", to_points({{low[0], middle[1]}, {high[0], middle[1]}}));
   } else if (type == "gradient") {

@@ -192,8 +192,7 @@ Document make_stamp_layer(const StampSource& source, const std::array<double, 2>
   return layer;
 }
 
-Document::Array make_scribbles(const std::vector<StrokeLine>& lines, double radius,
-                               bool positive) {
+Document::Array make_scribbles(const std::vector<StrokeLine>& lines, double radius, bool positive) {
   Document::Array strokes;
   for (const StrokeLine& line : lines) {
     Document stroke{Document::Object{}};

@@ -167,9 +167,8 @@ void update_autosave(Studio& studio) {
 }  // namespace
 
 const std::vector<std::string>& tool_names() {
-  static const std::vector<std::string> names{"orbit", "light", "scribble +", "scribble -",
-                                              "brush", "pick",  "paint",      "stamp",
-                                              "select"};
+  static const std::vector<std::string> names{"orbit", "light", "scribble +", "scribble -", "brush",
+                                              "pick",  "paint", "stamp",      "select"};
   return names;
 }
 

@@ -71,8 +71,8 @@ struct SecondMaterial {
   std::shared_ptr<const ProfileMap> map;
 };
 
-// What was drawn with a tool, in mm on the map: lines of one point or more. On the mesh a stroke may
-// leave the map at one place and come in at another, and is several lines then.
+// What was drawn with a tool, in mm on the map: lines of one point or more. On the mesh a stroke
+// may leave the map at one place and come in at another, and is several lines then.
 using StrokeLine = std::vector<std::array<double, 2>>;
 struct Stroke {
   Tool tool = Tool::brush;
@@ -180,7 +180,7 @@ struct Studio {
 
   std::deque<Message> messages;
   std::vector<std::string> recent;
-  std::deque<std::string> waiting_files;  // until the map that they need is open
+  std::deque<std::string> waiting_files;   // until the map that they need is open
   std::optional<std::string> recoverable;  // path of an autosaved recipe
   std::uint64_t drags = 0;  // finished ones: a drag of a slider is one entry of the history
   double now_s = 0;

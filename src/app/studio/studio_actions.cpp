@@ -127,10 +127,10 @@ void note_scene_now(Studio& studio) {
     forget_camera(studio.scene_history, studio.orbit);
     studio.noted_stage = studio.stage;
   }
-  note_scene(studio.scene_history,
-             {studio.is_homogeneous, studio.homogeneous, studio.lighting, studio.exposure,
-              studio.orbit},
-             recipe_entries(studio));
+  note_scene(
+      studio.scene_history,
+      {studio.is_homogeneous, studio.homogeneous, studio.lighting, studio.exposure, studio.orbit},
+      recipe_entries(studio));
 }
 
 HistoryView view_history(const Studio& studio) {

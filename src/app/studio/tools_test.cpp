@@ -149,7 +149,8 @@ TEST_F(ToolsTest, TheSelectToolDrawsTheSelectedPart) {
   EXPECT_FALSE(studio.grabbed);
   // In a set: a rectangle more, which is selected.
   Document changed = layer(0);
-  set(changed, "selection", change_part(selection(), "difference", {.state = studio.snapshot->after}));
+  set(changed, "selection",
+      change_part(selection(), "difference", {.state = studio.snapshot->after}));
   change_layer(studio, changed, "set");
   wait();
   draw(Tool::select, {{2.5, 2.5}, {3, 3}});

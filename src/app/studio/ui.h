@@ -53,12 +53,12 @@ struct Ui {
   // The layer whose text is being edited, and the text.
   std::optional<std::size_t> text_layer;
   std::string text, text_before;
-  std::array<double, 2> bounds{};                 // of the property that a threshold compares
-  std::array<std::uint64_t, 4> bounds_of{};       // map, its state, property and channel
-  std::string edited_key;                         // of the parameter that was changed last
+  std::array<double, 2> bounds{};                      // of the property that a threshold compares
+  std::array<std::uint64_t, 4> bounds_of{};            // map, its state, property and channel
+  std::string edited_key;                              // of the parameter that was changed last
   std::pair<std::size_t, std::size_t> history_seen{};  // position and rows: what is new is shown
-  std::optional<double> shape_drag;               // the point of the shape curve that is held
-  std::vector<std::array<float, 2>> view_stroke;  // a stroke on the mesh, on the screen
+  std::optional<double> shape_drag;                    // the point of the shape curve that is held
+  std::vector<std::array<float, 2>> view_stroke;       // a stroke on the mesh, on the screen
 };
 
 void draw_menu(Ui& ui);
