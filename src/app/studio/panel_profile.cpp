@@ -160,7 +160,7 @@ void draw_heading(Ui& ui, const EditState& state) {
   if (ImGui::GetItemRectMax().x + ImGui::GetStyle().ItemSpacing.x + width <= right) {
     ImGui::SameLine(ImGui::GetContentRegionMax().x - width);
     ImGui::TextDisabled("%s", place.c_str());
-    explain("the inspected pixel: click on another one with the orbit tool or the eyedropper");
+    explain("the inspected pixel: click on another one of the map with the tool 'orbit' or 'pick'");
   }
   const ProfileProperties properties = measure_properties(
       get_profile(state, studio.channel, studio.inspected.x, studio.inspected.y));

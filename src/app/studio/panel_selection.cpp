@@ -78,8 +78,10 @@ std::string describe_part(const Document& part) {
   const Document* invert = find(part, "invert");
   if (invert != nullptr && as_bool(*invert)) text = "not " + text;
   if (is_set(type)) return fmt::format("{} of {}", text, as_array(get(part, "of")).size());
-  if (type == "propagate")
-    return fmt::format("{}, {} strokes", text, as_array(get(part, "strokes")).size());
+  if (type == "propagate") {
+    const std::size_t strokes = as_array(get(part, "strokes")).size();
+    return fmt::format("{}, {} stroke{}", text, strokes, strokes == 1 ? "" : "s");
+  }
   if (type == "threshold") return text + " " + as_string(get(part, "property"));
   return text;
 }

@@ -41,8 +41,7 @@ std::optional<std::size_t> draw_rows(Ui& ui, const Document::Array& strokes) {
     ImGui::PushID(static_cast<int>(i));
     const float room = std::max(1.0f, ImGui::GetContentRegionAvail().x - frame - 8);
     const std::string label =
-        fmt::format("stroke {} ({}), {} points", i + 1, is_positive(strokes[i]) ? "+" : "−",
-                    as_array(get(strokes[i], "points")).size());
+        fmt::format("stroke {} ({})", i + 1, is_positive(strokes[i]) ? "+" : "−");
     ImGui::AlignTextToFramePadding();
     if (ImGui::Selectable(label.c_str(), ui.studio.selected_stroke == i, 0, {room, 0}))
       ui.studio.selected_stroke = i;

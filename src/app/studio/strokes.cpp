@@ -128,7 +128,7 @@ void brush(Studio& studio, const std::vector<StrokeLine>& lines) {
 
 void paint(Studio& studio, const std::vector<StrokeLine>& lines) {
   if (!studio.picked)
-    return report(studio, "pick a profile with the eyedropper first: it is what paint is made of",
+    return report(studio, "pick a profile with the tool 'pick' first: it is what paint is made of",
                   true);
   const Document::Array strokes = make_brushes(lines, studio.brush_radius_mm);
   Document from = describe_picked(*studio.picked);

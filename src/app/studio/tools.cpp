@@ -119,11 +119,11 @@ Document make_starting_layer(const Studio& studio, const std::string& operation)
   Document layer = make_default_layer(operation, operation);
   if (studio.snapshot == nullptr) throw_needs(operation, "a map to be open");
   if (operation == "blend") {
-    if (!studio.picked) throw_needs(operation, "a profile, picked with the eyedropper first,");
+    if (!studio.picked) throw_needs(operation, "a profile from the tool 'pick'");
     set(layer, "from", describe_picked(*studio.picked));
     set(layer, "opacity", 0.5);
   } else if (operation == "paste") {
-    if (!studio.stamp_source) throw_needs(operation, "a rectangle, dragged with the stamp first,");
+    if (!studio.stamp_source) throw_needs(operation, "a rectangle dragged with the tool 'stamp'");
     const EditState& state = studio.snapshot->after;
     return make_stamp_layer(*studio.stamp_source, {0.5 * state.width * state.pixel_pitch_mm,
                                                    0.5 * state.height * state.pixel_pitch_mm});
