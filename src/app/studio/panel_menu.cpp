@@ -176,7 +176,7 @@ void drop_layer(Studio& studio) {
 void cancel_all(Studio& studio) {
   for (const JobView& job : studio.jobs.views()) studio.jobs.cancel(job.name);
   if (studio.editor != nullptr) studio.editor->cancel();
-  studio.notice_is_seen = true;
+  studio.unseen_errors = 0;
 }
 
 void add_exposure(Studio& studio, double stops) {

@@ -185,8 +185,9 @@ const std::vector<std::string>& flat_mode_names() {
 
 void report(Studio& studio, std::string text, bool is_error) {
   constexpr std::size_t most = 200;
-  if (is_error) studio.notice_is_seen = false;
+  if (is_error) ++studio.unseen_errors;
   if (!studio.messages.empty() && studio.messages.back().text == text) {
+    if (is_error && studio.unseen_errors > 1) --studio.unseen_errors;  // the same one
     studio.messages.back().time_s = studio.now_s;
     ++studio.messages.back().count;
     return;

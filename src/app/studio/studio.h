@@ -179,6 +179,7 @@ struct Studio {
   std::optional<std::size_t> shown_compressed;
 
   std::deque<Message> messages;
+  std::size_t unseen_errors = 0;  // the last of them stands over the view
   std::vector<std::string> recent;
   std::deque<std::string> waiting_files;   // until the map that they need is open
   std::optional<std::string> recoverable;  // path of an autosaved recipe
@@ -193,7 +194,6 @@ struct Studio {
   bool is_stale = true;  // something changed since the last request
   bool flat_shows_second = false;
   bool flat_is_stale = true;
-  bool notice_is_seen = true;  // of the last error
   bool is_held = false;        // a mouse button: what is being dragged is no entry yet
 
   Jobs jobs;  // last: what runs ends before what it looks at
