@@ -22,8 +22,7 @@ void draw_switch(Ui& ui, std::size_t i) {
   if (ImGui::Checkbox("##on", &enabled)) {
     Document changed = layer.source;
     set(changed, "enabled", enabled);
-    studio.editor->post((enabled ? "show " : "hide ") + layer.name,
-                        set_layer(i, std::move(changed)));
+    studio.editor->post((enabled ? "show " : "hide ") + layer.name, set_layer(i, changed));
     touch_map(studio);
   }
   mark(ui.probe, fmt::format("layer/{}/on", i));

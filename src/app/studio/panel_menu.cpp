@@ -162,7 +162,7 @@ void switch_layer(Studio& studio) {
   Document changed = layer->source;
   set(changed, "enabled", !layer->enabled);
   studio.editor->post((layer->enabled ? "hide " : "show ") + layer->name,
-                      set_layer(*studio.selected_layer, std::move(changed)));
+                      set_layer(*studio.selected_layer, changed));
   touch_map(studio);
 }
 

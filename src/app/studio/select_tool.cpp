@@ -77,7 +77,7 @@ void select_places(Studio& studio, const Stroke& stroke) {
   if (!part) return report(studio, needs_a_drag, true);
   Document added = make_default_layer("adjust", "region");
   set(added, "selection", *std::move(part));
-  add_layer(studio, std::move(added));
+  add_layer(studio, added);
 }
 
 PartPath selected_part(const Studio& studio) {

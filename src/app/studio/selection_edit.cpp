@@ -161,7 +161,7 @@ Document make_part(const std::string& kind, const PartStart& start) {
   return part;
 }
 
-Document change_part(const Document& part, const std::string& kind, PartStart start) {
+Document change_part(const Document& part, const std::string& kind, const PartStart& start) {
   const std::string old = part_type(part);
   if (is_set(kind) && !is_set(old)) return make_set(kind, part);
   if (is_set(kind)) {

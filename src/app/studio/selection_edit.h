@@ -40,6 +40,6 @@ struct PartStart {
 };
 Document make_part(const std::string& kind, const PartStart& start);
 // The part as another kind: what both have stays. A part that becomes a set is its first.
-Document change_part(const Document& part, const std::string& kind, PartStart start);
+Document change_part(const Document& part, const std::string& kind, const PartStart& start);
 
 }  // namespace parian

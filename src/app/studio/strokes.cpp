@@ -94,7 +94,7 @@ bool select_by(Studio& studio, const std::string& type, const std::string& key,
 void add_with_selection(Studio& studio, Document layer, const std::string& type,
                         const std::string& key, const Document::Array& strokes) {
   set(layer, "selection", make_selection(type, key, strokes));
-  add_layer(studio, std::move(layer));
+  add_layer(studio, layer);
 }
 
 // A layer `interpolate` has strokes of its own.

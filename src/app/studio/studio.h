@@ -194,7 +194,7 @@ struct Studio {
   bool is_stale = true;  // something changed since the last request
   bool flat_shows_second = false;
   bool flat_is_stale = true;
-  bool is_held = false;        // a mouse button: what is being dragged is no entry yet
+  bool is_held = false;  // a mouse button: what is being dragged is no entry yet
 
   Jobs jobs;  // last: what runs ends before what it looks at
 };

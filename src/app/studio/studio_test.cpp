@@ -304,6 +304,7 @@ TEST(Studio, UndoesTheCameraBesideTheRecipe) {
   Studio studio;
   start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
   make_small(studio);
+  studio.still = Still::draft;
   run(studio);
   const Orbit first = studio.orbit;
   // A burst of the wheel, then another move: one entry.
@@ -356,6 +357,7 @@ TEST(Studio, ViewsOfAnotherMeshAreForgotten) {
   Studio studio;
   start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
   make_small(studio);
+  studio.still = Still::draft;
   run(studio);
   turn(studio.orbit, 10, 5, 100);
   touch_view(studio);
@@ -371,6 +373,7 @@ TEST(Studio, RecipesWaitForTheMapThatTheyComeWith) {
   Studio studio;
   start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
   make_small(studio);
+  studio.still = Still::draft;
   run(studio);
   const std::string map = folder.path + "/small.h5", recipe = folder.path + "/a.json";
   save_profile_map(map, make_map());

@@ -71,13 +71,13 @@ Document make_default_layer(const std::string& operation, const std::string& nam
   return layer;
 }
 
-void add_layer(Studio& studio, Document layer) {
+void add_layer(Studio& studio, const Document& layer) {
   if (studio.snapshot == nullptr) return;
   const std::size_t count = studio.snapshot->layers.size();
   const std::size_t index =
       studio.selected_layer ? std::min(*studio.selected_layer + 1, count) : count;
   const std::string name = as_string(get(layer, "name"));
-  studio.editor->post("add " + name, insert_layer(index, std::move(layer)));
+  studio.editor->post("add " + name, insert_layer(index, layer));
   studio.selected_layer = index;
   studio.part.clear();
   studio.selected_stroke = 0;
@@ -89,7 +89,7 @@ void change_layer(Studio& studio, Document layer, std::string label, std::string
   studio.editor->post(std::move(label), set_layer(*studio.selected_layer, layer),
                       std::move(merge_key));
   touch_map(studio);
-  studio.pending_layer = {*studio.selected_layer, std::move(layer)};
+  studio.pending_layer = std::pair(*studio.selected_layer, std::move(layer));
   show_pending(studio);
 }
 
@@ -151,7 +151,7 @@ void hallucinate(Studio& studio, const std::string& photograph) {
   set(layer, "pins", Document::Array{std::move(pin)});
   // At the end: it makes a map of its own from all that is below.
   studio.selected_layer.reset();
-  add_layer(studio, std::move(layer));
+  add_layer(studio, layer);
   report(studio, "a material from " + std::filesystem::path(photograph).filename().string() +
                      " with the range of the inspected pixel");
 }
@@ -235,7 +235,7 @@ void set_shape_point(Studio& studio, double u, double factor) {
     if (std::abs(at - u) < 1e-9) point = Document(Document::Array{u, factor});
   }
   set(changed, "scale", std::move(points));
-  if (!changes) return add_layer(studio, std::move(changed));
+  if (!changes) return add_layer(studio, changed);
   change_layer(studio, std::move(changed), "shape curve",
                fmt::format("shape {} {}", *studio.selected_layer, studio.drags));
 }

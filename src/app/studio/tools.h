@@ -12,7 +12,7 @@ namespace parian {
 
 // A layer of an operation with its defaults, over all of the map.
 Document make_default_layer(const std::string& operation, const std::string& name);
-void add_layer(Studio& studio, Document layer);
+void add_layer(Studio& studio, const Document& layer);
 // The selected layer as it shall be; what has the same key as the last change is one entry with it.
 void change_layer(Studio& studio, Document layer, std::string label, std::string merge_key = {});
 // Panels see it at once, also while the editor works.
