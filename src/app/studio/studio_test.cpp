@@ -299,13 +299,19 @@ TEST(Studio, UndoesTheLightBesideTheRecipe) {
   EXPECT_TRUE(studio.is_homogeneous);
 }
 
+// Until it is at rest, and what was done is an entry of the history.
+void rest(Studio& studio) {
+  run(studio);
+  update(studio, studio.last_change_s + 1);
+}
+
 TEST(Studio, UndoesTheCameraBesideTheRecipe) {
   const StateFolder folder;
   Studio studio;
   start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
   make_small(studio);
   studio.still = Still::draft;
-  run(studio);
+  rest(studio);
   const Orbit first = studio.orbit;
   // A burst of the wheel, then another move: one entry.
   for (int i = 0; i < 5; ++i) {
@@ -314,10 +320,10 @@ TEST(Studio, UndoesTheCameraBesideTheRecipe) {
     update(studio, studio.now_s + 0.05);
   }
   EXPECT_EQ(view_history(studio).position, 0u);  // it goes on
-  run(studio);
+  rest(studio);
   turn(studio.orbit, 10, 5, 100);
   touch_view(studio);
-  run(studio);
+  rest(studio);
   const Orbit second = studio.orbit;
   ASSERT_EQ(view_history(studio).rows.size(), 1u);
   EXPECT_EQ(view_history(studio).rows[0].label, "camera");
@@ -325,29 +331,29 @@ TEST(Studio, UndoesTheCameraBesideTheRecipe) {
   pan(studio.orbit, 5, 5, 100);
   touch_view(studio);
   add_layer(studio, make_adjust(2));
-  run(studio);
+  rest(studio);
   const Orbit third = studio.orbit;
   ASSERT_EQ(view_history(studio).rows.size(), 2u);
   EXPECT_TRUE(view_history(studio).rows[0].is_scene);
   turn(studio.orbit, 10, 5, 100);
   touch_view(studio);
-  run(studio);
+  rest(studio);
   undo(studio);
   EXPECT_EQ(studio.orbit, third);
   EXPECT_EQ(studio.snapshot->layers.size(), 1u);
   undo(studio);
-  run(studio);
+  rest(studio);
   EXPECT_TRUE(studio.snapshot->layers.empty());
   EXPECT_EQ(studio.orbit, third);
   // To look around takes nothing away from what can be redone.
   turn(studio.orbit, -40, 5, 100);
   touch_view(studio);
-  run(studio);
+  rest(studio);
   redo(studio);
-  run(studio);
+  rest(studio);
   EXPECT_EQ(studio.snapshot->layers.size(), 1u);
   jump_to(studio, 0);
-  run(studio);
+  rest(studio);
   EXPECT_EQ(studio.orbit, first);
   EXPECT_FALSE(first == second);
 }
@@ -358,13 +364,13 @@ TEST(Studio, ViewsOfAnotherMeshAreForgotten) {
   start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
   make_small(studio);
   studio.still = Still::draft;
-  run(studio);
+  rest(studio);
   turn(studio.orbit, 10, 5, 100);
   touch_view(studio);
-  run(studio);
+  rest(studio);
   EXPECT_EQ(view_history(studio).rows.size(), 1u);
   show_stage(studio, make_plain_stage(make_plane(10), "plane"), "plane");
-  run(studio);
+  rest(studio);
   EXPECT_TRUE(view_history(studio).rows.empty());
 }
 
