@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -14,7 +13,8 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "bench/common/page.h"
+#include "bench/common/studies.h"
+#include "bench/common/timing.h"
 #include "edit/adjust.h"
 #include "edit/blend.h"
 #include "edit/bound.h"
@@ -66,15 +66,7 @@ struct Row {
 };
 
 double best_ms(int runs, const std::function<void()>& work) {
-  double best = 1e30;
-  for (int i = 0; i < runs; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    const std::chrono::duration<double, std::milli> taken =
-        std::chrono::steady_clock::now() - start;
-    best = std::min(best, taken.count());
-  }
-  return best;
+  return 1e3 * best_seconds(runs, work);
 }
 
 // Reads all profiles and writes them elsewhere, on all cores.
@@ -238,14 +230,13 @@ MarkdownTable make_table(const Bench& bench) {
   return table;
 }
 
-void run(const std::string& docs) {
+void study_operations(const Page& page) {
   Bench bench;
   AlignedVector<float> copy(bench.state.shapes->log_profile.size());
   bench.pass_ms = best_ms(20, [&] { copy_map(bench.state, copy); });
   measure_operations(bench);
   measure_selections(bench);
   measure_sessions(bench);
-  const Page page{.name = "editing", .folder = "out/bench", .docs = docs};
   write_table(page, "timings",
               fmt::format("A map of {0} × {0} pixels, 3 channels and {1} knots; masks of 1/2 "
                           "everywhere; two cores; the best of several runs. One pass over the "
@@ -259,9 +250,5 @@ void run(const std::string& docs) {
 
 int main(int argc, char** argv) {
   parian::keep_freed_memory();  // as the program does
-  std::string docs;
-  for (int i = 1; i + 1 < argc; ++i)
-    if (std::string(argv[i]) == "--docs") docs = argv[i + 1];
-  parian::run(docs);
-  return 0;
+  return parian::run_studies(argc, argv, "editing", {{"operations", parian::study_operations}});
 }

@@ -24,8 +24,7 @@ class FormulaSource : public SliceSource {
   FormulaSource(int size, double radius) {
     header_.width = header_.height = size;
     header_.pixel_pitch_mm = 0.5;
-    for (Offset offset : half_disc_offsets(radius))
-      if (std::abs(offset.dx) < size && offset.dy < size) header_.offsets.push_back(offset);
+    header_.offsets = half_disc_offsets(radius, size, size);
   }
   const TableHeader& header() const override { return header_; }
   std::string name() const override { return "formula"; }

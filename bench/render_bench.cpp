@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <numeric>
@@ -17,6 +16,8 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "bench/common/assets.h"
+#include "bench/common/studies.h"
+#include "bench/common/timing.h"
 #include "fit/fit.h"
 #include "io/hdf5/table_file.h"
 #include "mesh/surface_samples.h"
@@ -29,10 +30,6 @@ namespace parian {
 namespace {
 
 constexpr double size_mm = 80;
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 ProfileMap make_stone() {
   return fit_profiles(*open_table(PARIAN_SOURCE_DIR "/data/stone-72x64.h5"), {}).map;
@@ -114,18 +111,6 @@ Errors compare_values(const std::vector<Rgb>& exact, const std::vector<Rgb>& val
   return result;
 }
 
-// Best of three.
-template <typename Work>
-double time_of(const Work& work) {
-  double best = 1e30;
-  for (int i = 0; i < 3; ++i) {
-    const double start = now();
-    work();
-    best = std::min(best, now() - start);
-  }
-  return best;
-}
-
 // About 10,000 targets in patches of 128 neighbours, so that brute force keeps its blocks compact.
 std::vector<std::size_t> pick_patches(const std::vector<GatherPoint>& targets) {
   constexpr std::size_t patches = 78, patch = 128;
@@ -151,10 +136,10 @@ void bench_gather() {
   for (std::size_t i : picked) some.push_back(problem.vertices[i]);
   std::vector<Rgb> exact;
   const double brute =
-      time_of(
-          [&] { exact = gather_brute(problem.field, problem.sources, some, problem.near_mm); }) /
+      best_seconds(
+          3, [&] { exact = gather_brute(problem.field, problem.sources, some, problem.near_mm); }) /
       static_cast<double>(some.size());
-  const double build = time_of([&] { MomentTree(problem.field, problem.sources); });
+  const double build = best_seconds(3, [&] { MomentTree(problem.field, problem.sources); });
   fmt::print(
       "{} vertices, {} samples, range {:.1f} mm on {} mm; brute force {:.1f} us per vertex over {} "
       "of them; tree built in {:.2f} s\n",
@@ -166,7 +151,8 @@ void bench_gather() {
     TreeGatherParams params;
     params.quality = quality;
     params.certify_every = 0;
-    const double seconds = time_of([&] { tree.gather(problem.vertices, problem.near_mm, params); });
+    const double seconds =
+        best_seconds(3, [&] { tree.gather(problem.vertices, problem.near_mm, params); });
     params.certify_every = 1;
     const TreeGatherResult result = tree.gather(problem.vertices, problem.near_mm, params);
     std::vector<Rgb> values;
@@ -188,9 +174,9 @@ void bench_gather() {
   for (double tolerance : {0.2, 0.05, 0.02}) {
     TreeGatherParams params;
     params.tolerance = tolerance;
-    const double start = now();
+    const Stopwatch watch;
     const TreeGatherResult result = tree.gather(some, problem.near_mm, params);
-    const double each = (now() - start) / static_cast<double>(some.size());
+    const double each = watch.seconds() / static_cast<double>(some.size());
     const Errors errors = compare_values(exact, result.exitance, result.half_width);
     fmt::print(
         "certified to {:>4} %: {:.1f} us, {:.2f} of brute force's time, max error {:.3f} %, "
@@ -206,15 +192,16 @@ void bench_scaling() {
   const Problem problem = make_problem(1000);
   for (int samples : {12500, 25000, 50000, 100000, 200000, 400000, 800000}) {
     const GatherSources sources = make_sources(problem.mesh, problem.field, samples, 4);
-    const double start = now();
+    const Stopwatch watch;
     const MomentTree tree(problem.field, sources);
-    const double build = now() - start;
+    const double build = watch.seconds();
     const double near_mm = default_near_mm(sources.area_mm2);
     TreeGatherParams params;
     params.certify_every = 0;
     TreeGatherResult result;
-    const double each = time_of([&] { result = tree.gather(problem.vertices, near_mm, params); }) /
-                        static_cast<double>(problem.vertices.size());
+    const double each =
+        best_seconds(3, [&] { result = tree.gather(problem.vertices, near_mm, params); }) /
+        static_cast<double>(problem.vertices.size());
     fmt::print("{:>9} {:>9} {:>10.2f} {:>12.1f} {:>16.2f} {:>10.0f}\n", samples,
                problem.vertices.size(), build, 1e6 * each, 1e6 * each / std::log2(samples),
                result.nodes_per_target);
@@ -229,7 +216,7 @@ void bench_scaling() {
     TreeGatherParams params;
     params.certify_every = 0;
     const double seconds =
-        time_of([&] { tree.gather(some, default_near_mm(sources.area_mm2), params); });
+        best_seconds(3, [&] { tree.gather(some, default_near_mm(sources.area_mm2), params); });
     fmt::print("{:>9} {:>9} {:>10} {:>12.1f}\n", 200000, some.size(), "",
                1e6 * seconds / static_cast<double>(some.size()));
     std::fflush(stdout);
@@ -238,10 +225,10 @@ void bench_scaling() {
 
 void bench_picture(const std::string& file, int detail) {
   Scene scene;
-  const double start = now();
+  const Stopwatch watch;
   scene.mesh = make_bench_mesh(file, detail, size_mm);
   scene.mesh_name = file;
-  const double loading = now() - start;
+  const double loading = watch.seconds();
   scene.material = Material(make_stone());
   scene.lights = {make_bench_environment()};
   const Bounds3 box = bounds(scene.mesh);
@@ -260,23 +247,17 @@ void bench_picture(const std::string& file, int detail) {
   std::fflush(stdout);
 }
 
-bool wants(int argc, char** argv, const std::string& part) {
-  return argc < 2 || std::find(argv + 1, argv + argc, part) != argv + argc;
-}
-
 }  // namespace
 }  // namespace parian
 
 int main(int argc, char** argv) {
-  try {
-    if (parian::wants(argc, argv, "gather")) parian::bench_gather();
-    if (parian::wants(argc, argv, "scaling")) parian::bench_scaling();
-    if (parian::wants(argc, argv, "picture")) {
-      parian::bench_picture("dragon-100250.ply", 2);
-      parian::bench_picture("dragon-437645.ply", 4);
-    }
-  } catch (const parian::Error& error) {
-    fmt::print(stderr, "bench: error: {}\n", error.what());
-    return 1;
-  }
+  using namespace parian;
+  const auto draw = [](const Page&) {
+    bench_picture("dragon-100250.ply", 2);
+    bench_picture("dragon-437645.ply", 4);
+  };
+  return run_studies(argc, argv, "rendering",
+                     {{"gather", [](const Page&) { bench_gather(); }},
+                      {"scaling", [](const Page&) { bench_scaling(); }},
+                      {"picture", draw}});
 }

@@ -2,13 +2,13 @@
 // bit.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <string>
 
 #include "base/error.h"
 #include "fit/fit.h"
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
+#include "io/json/test_folder.h"
 #include "judge/compare.h"
 #include "judge/relight.h"
 #include "material/bssrdf_table.h"
@@ -19,16 +19,6 @@ namespace {
 
 const std::string stone = std::string(PARIAN_SOURCE_DIR) + "/data/stone-72x64.h5";
 
-// A folder that goes with the test.
-struct Folder {
-  std::filesystem::path path =
-      std::filesystem::temp_directory_path() /
-      ("parian-streaming-" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) +
-       std::to_string(reinterpret_cast<std::uintptr_t>(this)));
-  Folder() { std::filesystem::create_directories(path); }
-  ~Folder() { std::filesystem::remove_all(path); }
-};
-
 TEST(Streaming, FitsOfTheFileAndOfMemoryHaveTheSameBits) {
   const auto file = open_table(stone);
   const BssrdfTable table = read_table(*file);
@@ -37,8 +27,8 @@ TEST(Streaming, FitsOfTheFileAndOfMemoryHaveTheSameBits) {
 }
 
 TEST(Streaming, CompressedTablesGiveTheSameFit) {
-  const Folder folder;
-  const std::string path = (folder.path / "deflated.h5").string();
+  const TestFolder folder("streaming");
+  const std::string path = folder.at("deflated.h5");
   const auto file = open_table(stone);
   const auto sink = create_table(path, file->header(), {.deflate = 4});
   copy_slices(*file, *sink);
@@ -60,8 +50,8 @@ TEST(Targets, StoneIsFittedWithinTheStatedErrors) {
 }
 
 TEST(Streaming, MapsSurviveTheFile) {
-  const Folder folder;
-  const std::string path = (folder.path / "map.h5").string();
+  const TestFolder folder("streaming");
+  const std::string path = folder.at("map.h5");
   FitParams params;
   params.segments = 5;
   params.hold_out = 0.05;

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "bench/common/timing.h"
 #include "bench/compression/study.h"
 #include "material/dipole.h"
 
@@ -37,6 +38,7 @@ double eval_noise(double x, double y, std::uint64_t seed) {
 // Dipoles whose coefficients are images.
 ProfileMap make_map() {
   std::vector<double> knots_mm;
+  knots_mm.reserve(knots);
   for (int k = 0; k < knots; ++k) knots_mm.push_back(pitch_mm * k);
   ProfileMap map = make_profile_map(side, side, 3, pitch_mm, knots_mm);
   map.eta = 1.5;
@@ -60,7 +62,7 @@ ProfileMap make_map() {
 void study_large(const Page& page) {
   ProfileMap map = make_map();
   CompressState state;
-  const double seconds = seconds_of([&] {
+  const double seconds = best_seconds(1, [&] {
     state = make_compress_state(map, make_blend_objective(map, nullptr, Objective::balanced),
                                 make_params(128, 2));
     map = {};

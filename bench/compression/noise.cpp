@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "bench/common/table_noise.h"
 #include "bench/compression/study.h"
+#include "material/test_noise.h"
 
 namespace parian::compression {
 namespace {
@@ -26,7 +26,7 @@ void study_noise(const Page& page) {
   for (const double photons : {0.0, 1e6, 1e5, 1e4, 1e3}) {
     Sample sample = clean;
     if (photons > 0) {
-      sample.table = add_noise(clean.table, photon_gain(clean.table, photons), 0, 3);
+      add_noise(sample.table, photon_gain(clean.table, photons), 0, 3);
       sample.map = fit_profiles(*make_slices(sample.table), {}).map;
     }
     std::vector<std::string> row{

@@ -2,24 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdio>
 
 #include "bench/common/bench_table.h"
+#include "bench/common/timing.h"
 #include "io/hdf5/table_file.h"
 
 namespace parian::compression {
 
-double seconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 Sample load_sample(const std::string& name) {
   Sample sample{name, read_table(*open_table(make_bench_table(name))), {}, 0};
   sample.fit_seconds =
-      seconds_of([&] { sample.map = fit_profiles(*make_slices(sample.table, name), {}).map; });
+      best_seconds(1, [&] { sample.map = fit_profiles(*make_slices(sample.table, name), {}).map; });
   return sample;
 }
 

@@ -2,7 +2,6 @@
 // what the studies share.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -36,7 +35,6 @@ CompressParams make_params(int bases, int per_pixel, Objective objective = Objec
 
 CompareReport judge(const Sample& sample, const Material& material);
 
-double seconds_of(const std::function<void()>& work);
 std::string format_kb(std::size_t bytes);
 
 void study_race(const Page& page);

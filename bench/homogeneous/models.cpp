@@ -2,15 +2,13 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <chrono>
 #include <functional>
 
-#include "bench/common/assets.h"
+#include "base/stopwatch.h"
 #include "bench/homogeneous/study.h"
 #include "judge/plot.h"
 #include "material/slab_diffusion.h"
 #include "render/render.h"
-#include "scene/camera.h"
 
 namespace parian {
 namespace {
@@ -101,48 +99,33 @@ void plot_curves(const Page& page, const std::vector<Variant>& variants) {
 // One curve, with all that it needs.
 double measure_ms(const Dipole& material) {
   constexpr int runs = 8;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   double sum = 0;
   for (int i = 0; i < runs; ++i) sum += eval_curve(make_reflectance_curve(material, 1), 1);
-  const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
-  return sum > 0 ? taken.count() / runs : 0;
+  const double seconds = watch.seconds();
+  return sum > 0 ? 1e3 * seconds / runs : 0;
 }
 
 void show_variants(const Page& page, const std::vector<Variant>& variants) {
-  Scene scene;
-  scene.mesh = make_bench_mesh("dragon-22998.ply", 3, 60);
-  scene.mesh_name = "dragon";
-  scene.lights = {make_bench_environment()};
-  scene.camera.width = 300;
-  scene.camera.height = 225;
-  scene.camera.target = center(bounds(scene.mesh));
-  frame_box(scene.camera, bounds(scene.mesh));
-  scene.background = {0.03f, 0.03f, 0.035f};
+  Scene scene = make_dragon_scene(300, 225, {});
   MarkdownTable table;
   table.header = {"model", "total red", "green", "blue", "ms per curve"};
-  Image sheet;
-  for (std::size_t i = 0; i < variants.size(); ++i) {
-    const Dipole& material = variants[i].material;
-    std::vector<std::string> cells{variants[i].name};
+  std::vector<Image> pictures;
+  for (const Variant& variant : variants) {
+    const Dipole& material = variant.material;
+    std::vector<std::string> cells{variant.name};
     for (std::size_t c = 0; c < 3; ++c)
       cells.push_back(fmt::format("{:.3f}", total_of(make_reflectance_curve(material, c))));
     cells.push_back(fmt::format("{:.2g}", measure_ms(material)));
     table.rows.push_back(cells);
     scene.material = Material(material);
-    const Image picture = render(scene, {}).image;
-    if (i == 0)
-      sheet = make_image(picture.width * static_cast<int>(variants.size()), picture.height,
-                         picture.channels);
-    for (int y = 0; y < picture.height; ++y)
-      for (int x = 0; x < picture.width; ++x)
-        for (int c = 0; c < picture.channels; ++c)
-          at(sheet, static_cast<int>(i) * picture.width + x, y, c) = at(picture, x, y, c);
+    pictures.push_back(render(scene, {}).image);
   }
   write_table(page, "models",
               "Wax of σ_s' = (1.6, 1.4, 1.2), σ_a = (0.01, 0.03, 0.1), η = 1.4 by each model, in "
               "the order of the pictures.",
               table);
-  write_picture(page, "models", sheet);
+  write_picture(page, "models", place_side_by_side(pictures, 0));
 }
 
 }  // namespace

@@ -4,28 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/common/assets.h"
 #include "bench/homogeneous/study.h"
 #include "render/transport_renderer.h"
-#include "scene/camera.h"
 #include "transport/precompute.h"
 
 namespace parian {
 namespace {
-
-Scene make_scene(const Dipole& material) {
-  Scene scene;
-  scene.mesh = make_bench_mesh("dragon-22998.ply", 3, 60);
-  scene.mesh_name = "dragon";
-  scene.material = Material(material);
-  scene.lights = {make_bench_environment()};
-  scene.camera.width = 400;
-  scene.camera.height = 300;
-  scene.camera.target = center(bounds(scene.mesh));
-  frame_box(scene.camera, bounds(scene.mesh));
-  scene.background = {0.03f, 0.03f, 0.035f};
-  return scene;
-}
 
 Dipole make_material(double sigma_s, std::array<double, 3> sigma_a, double g, bool single) {
   Dipole material;
@@ -33,17 +17,6 @@ Dipole make_material(double sigma_s, std::array<double, 3> sigma_a, double g, bo
     material.channels.push_back({absorption, (1 - g) * sigma_s, g});
   material.single_scattering = single;
   return material;
-}
-
-Image beside(const std::vector<Image>& pictures) {
-  const Image& one = pictures[0];
-  Image sheet = make_image(one.width * static_cast<int>(pictures.size()), one.height, one.channels);
-  for (std::size_t i = 0; i < pictures.size(); ++i)
-    for (int y = 0; y < one.height; ++y)
-      for (int x = 0; x < one.width; ++x)
-        for (int c = 0; c < one.channels; ++c)
-          at(sheet, static_cast<int>(i) * one.width + x, y, c) = at(pictures[i], x, y, c);
-  return sheet;
 }
 
 double relative_error(const Image& a, const Image& b) {
@@ -55,16 +28,11 @@ double relative_error(const Image& a, const Image& b) {
   return sum / total;
 }
 
-// Light that leaves where it came in: the same albedo, all lengths a hundred times shorter.
-Image show_as_brdf(Scene scene, const RayTracer& tracer, Dipole material, bool only_single) {
-  for (DipoleCoefficients& medium : material.channels) {
-    medium.sigma_a *= 100;
-    medium.sigma_s_prime *= 100;
-  }
-  material.single_scattering = only_single;
-  scene.material = Material(material);
+Image show(const Scene& scene, const RayTracer& tracer, const Dipole& material, int intervals,
+           KnotChoice knots, bool only_single) {
   PrecomputeParams params;
-  params.multiple_intervals = params.single_intervals = 64;
+  params.multiple_intervals = params.single_intervals = intervals;
+  params.knots = knots;
   params.single = only_single;
   params.samples = 100000;
   Precompute work(scene, tracer, params);
@@ -74,23 +42,25 @@ Image show_as_brdf(Scene scene, const RayTracer& tracer, Dipole material, bool o
   return TransportRenderer(scene, transport).render(material).image;
 }
 
+// Light that leaves where it came in: the same albedo, all lengths a hundred times shorter.
+Image show_as_brdf(Scene scene, const RayTracer& tracer, Dipole material, bool only_single) {
+  for (DipoleCoefficients& medium : material.channels) {
+    medium.sigma_a *= 100;
+    medium.sigma_s_prime *= 100;
+  }
+  material.single_scattering = only_single;
+  scene.material = Material(material);
+  return show(scene, tracer, material, 64, KnotChoice::balanced, only_single);
+}
+
 // Fewer and fewer intervals, in the paper's count of coefficients, beside 64 intervals.
 void show_series(const Page& page, const std::string& name, const Dipole& material,
                  const std::vector<int>& intervals, bool only_single) {
-  Scene scene = make_scene(material);
+  Scene scene = make_dragon_scene(400, 300, material);
   scene.specular.enabled = false;
   const RayTracer tracer(scene.mesh);
   const auto picture = [&](int count, KnotChoice knots) {
-    PrecomputeParams params;
-    params.multiple_intervals = params.single_intervals = count;
-    params.knots = knots;
-    params.single = only_single;
-    params.samples = 100000;
-    Precompute work(scene, tracer, params);
-    work.advance();
-    HomogeneousTransport transport = work.transport();
-    if (only_single) transport.lights[0].multiple = {};
-    return TransportRenderer(scene, transport).render(material).image;
+    return show(scene, tracer, material, count, knots, only_single);
   };
   const Image many = picture(64, KnotChoice::balanced);
   MarkdownTable table;
@@ -98,20 +68,20 @@ void show_series(const Page& page, const std::string& name, const Dipole& materi
   std::vector<Image> pictures;
   for (const int count : intervals) {
     pictures.push_back(picture(count, KnotChoice::balanced));
-    const auto show = [&](const Image& image) {
+    const auto error = [&](const Image& image) {
       return fmt::format("{:.2g} %", 100 * relative_error(image, many));
     };
     table.rows.push_back({fmt::format("{}", count), fmt::format("{}", count + 1),
-                          show(pictures.back()), show(picture(count, KnotChoice::published))});
+                          error(pictures.back()), error(picture(count, KnotChoice::published))});
   }
   pictures.push_back(many);
   pictures.push_back(show_as_brdf(scene, tracer, material, only_single));
-  write_picture(page, name, beside(pictures));
+  write_picture(page, name, place_side_by_side(pictures, 0));
   write_table(page, name, "Mean error of the picture over its mean.", table);
 }
 
 void show_edits(const Page& page) {
-  Scene scene = make_scene(make_material(1, {0.01, 0.01, 0.01}, 0, true));
+  Scene scene = make_dragon_scene(400, 300, make_material(1, {0.01, 0.01, 0.01}, 0, true));
   const RayTracer tracer(scene.mesh);
   PrecomputeParams params;
   params.samples = 100000;
@@ -121,10 +91,13 @@ void show_edits(const Page& page) {
   const auto picture = [&](double sigma_s, double sigma_a, double g) {
     return renderer.render(make_material(sigma_s, {sigma_a, sigma_a, sigma_a}, g, true)).image;
   };
-  write_picture(page, "scattering",
-                beside({picture(0.3, 0.01, 0), picture(1.5, 0.01, 0), picture(4, 0.01, 0)}));
-  write_picture(page, "absorption", beside({picture(1.04, 0.002, 0), picture(1.04, 0.40, 0)}));
-  write_picture(page, "phase", beside({picture(0.5, 0.05, -0.25), picture(0.5, 0.05, 0.25)}));
+  write_picture(
+      page, "scattering",
+      place_side_by_side({picture(0.3, 0.01, 0), picture(1.5, 0.01, 0), picture(4, 0.01, 0)}, 0));
+  write_picture(page, "absorption",
+                place_side_by_side({picture(1.04, 0.002, 0), picture(1.04, 0.40, 0)}, 0));
+  write_picture(page, "phase",
+                place_side_by_side({picture(0.5, 0.05, -0.25), picture(0.5, 0.05, 0.25)}, 0));
 }
 
 }  // namespace

@@ -2,29 +2,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <functional>
 
 #include "base/aligned.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "bench/common/assets.h"
+#include "bench/common/timing.h"
 #include "bench/homogeneous/study.h"
 #include "transport/precompute.h"
 
 namespace parian {
 namespace {
-
-double best_seconds(int runs, const std::function<void()>& work) {
-  double best = 1e30;
-  for (int i = 0; i < runs; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-    best = std::min(best, taken.count());
-  }
-  return best;
-}
 
 // GB/s at which all cores read a buffer much larger than their caches.
 double measure_bandwidth() {

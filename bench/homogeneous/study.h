@@ -2,8 +2,13 @@
 #pragma once
 
 #include "bench/common/page.h"
+#include "material/dipole.h"
+#include "scene/scene.h"
 
 namespace parian {
+
+// The dragon, 60 mm long, under an environment.
+Scene make_dragon_scene(int width, int height, const Dipole& material);
 
 // The diffusion models' totals and curves, and what they look like.
 void study_models(const Page& page);

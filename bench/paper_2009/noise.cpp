@@ -6,11 +6,11 @@
 #include <array>
 #include <cmath>
 
-#include "bench/common/table_noise.h"
 #include "bench/paper_2009/study.h"
 #include "judge/row_sums.h"
 #include "material/material.h"
 #include "material/properties.h"
+#include "material/test_noise.h"
 
 namespace parian::paper_2009 {
 namespace {
@@ -103,7 +103,8 @@ double share_not_positive(const BssrdfTable& table) {
 
 void add_rows(const BssrdfTable& clean, const Figures& truth, const NoiseLevel& level,
               const std::string& sample, MarkdownTable& table) {
-  const BssrdfTable noisy = add_noise(clean, level.gain, level.floor, 7);
+  BssrdfTable noisy = clean;
+  add_noise(noisy, level.gain, level.floor, 7);
   for (const Way& way : ways) {
     FitParams params;
     params.noise_model = way.noise_model;

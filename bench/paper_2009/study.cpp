@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdio>
 
 #include "acquire/sample.h"
 #include "base/error.h"
+#include "base/stopwatch.h"
 #include "image/image.h"
 #include "io/json/json.h"
 #include "material/material.h"
@@ -45,10 +45,9 @@ FitParams paper_params() {
 
 Judged fit_and_judge(const BssrdfTable& table, const FitParams& params) {
   const auto source = make_slices(table);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   Judged judged{fit_profiles(*source, params), {}};
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  judged.seconds = seconds.count();
+  judged.seconds = watch.seconds();
   const Material material = judged.fit.map;
   judged.errors = compare(*source, *make_slices(material, table.header), judged.fit.map.hold_out);
   std::size_t touched = 0;

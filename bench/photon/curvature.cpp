@@ -89,7 +89,7 @@ struct Traced {
   Batches batches;
 };
 
-void write_totals(Study& study, const Batches& plane, const std::vector<Traced>& balls) {
+void write_totals(const Page& page, const Batches& plane, const std::vector<Traced>& balls) {
   const PhotonEstimate whole = estimate_total(plane);
   const PhotonVolume volume = make_homogeneous(sigma_a, sigma_s_prime, 0, eta);
   Cells cells;
@@ -108,14 +108,14 @@ void write_totals(Study& study, const Batches& plane, const std::vector<Traced>&
                           cells.format(divide(total, whole))});
   }
   write_table(
-      study.page("limits"), "balls",
+      page, "balls",
       fmt::format("Balls with σ_a = {}, σ_s′ = {} per mm, η = {}, light from all sides; "
                   "half-infinite: {} reflected ({} by the photon engine); {}.",
                   sigma_a, sigma_s_prime, eta, half_infinite, by_engine, cells.format_error()),
       table);
 }
 
-void write_rings(Study& study, const Batches& plane, const std::vector<Traced>& balls) {
+void write_rings(const Page& page, const Batches& plane, const std::vector<Traced>& balls) {
   MarkdownTable table{{"chord [1/σ_s′]"}, {}};
   Cells cells;
   for (const Traced& ball : balls) table.header.push_back(fmt::format("radius {}", ball.radius));
@@ -129,7 +129,7 @@ void write_rings(Study& study, const Batches& plane, const std::vector<Traced>& 
                         : "–");
     table.rows.push_back(row);
   }
-  write_table(study.page("limits"), "chords",
+  write_table(page, "chords",
               fmt::format("R_d of the ball / R_d of the plane, means over rings of equal chords; "
                           "{}:",
                           cells.format_error()),
@@ -138,12 +138,12 @@ void write_rings(Study& study, const Batches& plane, const std::vector<Traced>& 
 
 }  // namespace
 
-void study_curvature(Study& study) {
+void study_curvature(const Page& page) {
   const Batches plane = trace_batches(0);
   std::vector<Traced> balls;
   for (const int radius : radii) balls.push_back({radius, trace_batches(radius)});
-  write_totals(study, plane, balls);
-  write_rings(study, plane, balls);
+  write_totals(page, plane, balls);
+  write_rings(page, plane, balls);
 }
 
 }  // namespace parian::photon

@@ -16,7 +16,7 @@ double dipole_total(double albedo, double eta) {
   return passed * dipole_albedo({.sigma_a = 1 - albedo, .sigma_s_prime = albedo}, eta);
 }
 
-void write_totals(Study& study) {
+void write_totals(const Page& page) {
   MarkdownTable table{{"albedo", "η = 1.3", "η = 1.5"}, {}};
   for (const double albedo : {0.5, 0.8, 0.9, 0.95, 0.99, 0.999}) {
     std::vector<std::string> row{fmt::format("{}", albedo)};
@@ -29,7 +29,7 @@ void write_totals(Study& study) {
     }
     table.rows.push_back(row);
   }
-  write_table(study.page("acquisition"), "dipole",
+  write_table(page, "dipole",
               "Total diffuse reflectance of the classic dipole against photons, light along the "
               "normal:",
               table);
@@ -76,8 +76,8 @@ PlotSeries dipole_profile(double albedo, std::array<float, 3> color) {
 
 }  // namespace
 
-void study_dipole(Study& study) {
-  write_totals(study);
+void study_dipole(const Page& page) {
+  write_totals(page);
   Plot plot;
   plot.title = "half-space, eta 1.5, mean free path 1 mm";
   plot.x_label = "r [mm]";
@@ -91,7 +91,7 @@ void study_dipole(Study& study) {
     plot.series.push_back(measure_profile(albedo, colors[i]));
     ++i;
   }
-  write_picture(study.page("acquisition"), "dipole", draw_plot(plot));
+  write_picture(page, "dipole", draw_plot(plot));
 }
 
 }  // namespace parian::photon

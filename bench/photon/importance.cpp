@@ -60,7 +60,7 @@ std::array<double, 4> measure_merit(const PhotonVolume& volume, const PhotonChan
   return merit;
 }
 
-void write_windows(Study& study, const PhotonVolume& volume, const PhotonChannel& channel) {
+void write_windows(const Page& page, const PhotonVolume& volume, const PhotonChannel& channel) {
   constexpr float reach = 8.5f, near = 0.09f * reach, off = 1e15f;
   const auto window = [&](float near_at, float least, float most, float depth) {
     return WeightWindow{near_at, reach, depth, least, most, 0.5f, 2, 1};
@@ -81,7 +81,7 @@ void write_windows(Study& study, const PhotonVolume& volume, const PhotonChannel
     for (std::size_t k = 0; k < 4; ++k) row.push_back(fmt::format("{:.1f}", merit[k] / first[k]));
     table.rows.push_back(row);
   }
-  write_table(study.page("acquisition"), "windows",
+  write_table(page, "windows",
               "1 / (error² · flights) by distance, relative to all photons alike, on the stone's "
               "green channel:",
               table);
@@ -180,10 +180,10 @@ std::pair<double, double> measure_shifts(const PhotonVolume& volume, const Photo
 
 }  // namespace
 
-void study_importance(Study& study) {
+void study_importance(const Page& page) {
   const PhotonVolume stone = make_photon_volume(make_stone(0));
   const PhotonChannel green = make_photon_channel(stone, 1);
-  write_windows(study, stone, green);
+  write_windows(page, stone, green);
   MarkdownTable table{{"sample", "collisions", "worth of 25 copies"}, {}};
   const auto add = [&](const char* name, const PhotonVolume& volume, const PhotonChannel& channel) {
     const auto [worth, events] = measure_shifts(volume, channel);
@@ -200,7 +200,7 @@ void study_importance(Study& study) {
       (*plane)[first + i] = static_cast<float>(mean + 0.1 * ((*plane)[first + i] - mean));
   }
   add("a tenth of its contrast", soft, make_photon_channel(soft, 1));
-  write_table(study.page("acquisition"), "shifts",
+  write_table(page, "shifts",
               "Paths that leave 2 to 3.5 mm from where they entered, shifted by up to two pixels "
               "each way and weighted with their probabilities there: the number of independent "
               "paths that the 25 copies of one are worth.",

@@ -60,9 +60,8 @@ Image draw_slice(const BssrdfTable& table, int x, int y) {
 
 }  // namespace
 
-void study_pictures(Study& study) {
+void study_pictures(const Page& page) {
   const std::string data = PARIAN_SOURCE_DIR "/data/";
-  const Page page = study.page("acquisition");
   const Sample sample = read_sample(load_document(data + "samples/embedded-stones.json"), {});
   write_picture(page, "slab", draw_slab(make_photon_volume(sample)));
   const auto source = open_table(data + "embedded-stones-48.h5");

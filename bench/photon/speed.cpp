@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/stopwatch.h"
 #include "bench/photon/study.h"
 
 namespace parian::photon {
@@ -41,7 +42,7 @@ std::vector<std::string> measure(const Tissue& tissue) {
   double best = 1e30, flights = 0;
   for (int repeat = 0; repeat < 3; ++repeat) {
     std::vector<double> found(rows);
-    const double start = seconds_now();
+    const Stopwatch watch;
     parallel_for(rows, [&](std::size_t row) {
       PhotonTask task;
       task.volume = &volume, task.channel = &channel;
@@ -50,7 +51,7 @@ std::vector<std::string> measure(const Tissue& tissue) {
       std::vector<float> tally(task.pixels() * 17 * 17);
       found[row] = trace_photons(task, tally.data()).flights;
     });
-    best = std::min(best, seconds_now() - start);
+    best = std::min(best, watch.seconds());
     flights = 0;
     for (const double each : found) flights += each;
   }
@@ -66,7 +67,7 @@ std::vector<std::string> measure(const Tissue& tissue) {
 
 }  // namespace
 
-void study_speed(Study& study) {
+void study_speed(const Page& page) {
   MarkdownTable table{
       {"material", "σ_a [1/mm]", "σ_s′ [1/mm]", "g", "flights per photon", "photons / ms", "/ 35"},
       {}};
@@ -74,7 +75,7 @@ void study_speed(Study& study) {
        {Tissue{"wax", 0.01, 2, 0}, Tissue{"wax", 0.01, 2, 0.8}, Tissue{"skin", 0.05, 1, 0},
         Tissue{"skin", 0.05, 1, 0.8}, Tissue{"skin", 0.05, 1, 0.9}})
     table.rows.push_back(measure(tissue));
-  write_table(study.page("acquisition"), "speed",
+  write_table(page, "speed",
               fmt::format("{} threads; 80 × 80 × 40 voxels of 0.25 mm, η = 1.5, every voxel of "
                           "coefficients of its own, all photons alike:",
                           thread_count()),

@@ -1,16 +1,12 @@
 #include "bench/photon/study.h"
 
-#include <chrono>
 #include <cmath>
 
 #include "base/hash.h"
 #include "base/parallel.h"
+#include "base/stopwatch.h"
 
 namespace parian::photon {
-
-double seconds_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 PhotonVolume make_homogeneous(double sigma_a, double sigma_s, double g, double eta,
                               double thickness_mm) {
@@ -30,7 +26,7 @@ Totals measure_totals(const PhotonVolume& volume, PhotonEntry entry, std::uint64
   const std::uint64_t key =
       hash_value(volume.thickness_mm, hash_value(volume.eta, hash_values(channel.voxels)));
   std::array<PhotonTotals, batches> found{};
-  const double start = seconds_now();
+  const Stopwatch watch;
   parallel_for(batches, [&](std::size_t i) {
     PhotonTask task;
     task.volume = &volume, task.channel = &channel, task.entry = entry;
@@ -39,7 +35,7 @@ Totals measure_totals(const PhotonVolume& volume, PhotonEntry entry, std::uint64
     found[i] = trace_photons(task, tally.data());
   });
   Totals totals;
-  totals.seconds = seconds_now() - start;
+  totals.seconds = watch.seconds();
   const auto estimate = [&](double PhotonTotals::*part) {
     double sum = 0, squares = 0;
     for (const PhotonTotals& each : found) {
@@ -82,9 +78,9 @@ Sample make_stone(double g) {
 Run run_photons(const Sample& sample, const PhotonParams& params) {
   Run run;
   run.simulation = std::make_unique<PhotonSimulation>(sample, params);
-  const double start = seconds_now();
+  const Stopwatch watch;
   while (!run.simulation->is_done()) run.simulation->advance();
-  run.seconds = seconds_now() - start;
+  run.seconds = watch.seconds();
   run.report = make_report(*run.simulation);
   return run;
 }

@@ -11,14 +11,6 @@
 
 namespace parian::photon {
 
-struct Study {
-  std::string folder, docs;
-
-  Page page(const std::string& name) const { return {name, folder, docs}; }
-};
-
-double seconds_now();
-
 // One voxel that goes on without end.
 PhotonVolume make_homogeneous(double sigma_a, double sigma_s, double g, double eta,
                               double thickness_mm = 0);
@@ -41,15 +33,15 @@ struct Run {
 };
 Run run_photons(const Sample& sample, const PhotonParams& params);
 
-void study_speed(Study& study);
-void study_totals(Study& study);
-void study_time(Study& study);
-void study_similarity(Study& study);
-void study_importance(Study& study);
-void study_dipole(Study& study);
-void study_pictures(Study& study);
-void study_limits(Study& study);
-void study_thickness(Study& study);
-void study_curvature(Study& study);
+void study_speed(const Page& page);
+void study_totals(const Page& page);
+void study_time(const Page& page);
+void study_similarity(const Page& page);
+void study_importance(const Page& page);
+void study_dipole(const Page& page);
+void study_pictures(const Page& page);
+void study_limits(const Page& page);
+void study_thickness(const Page& page);
+void study_curvature(const Page& page);
 
 }  // namespace parian::photon

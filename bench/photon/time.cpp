@@ -34,7 +34,7 @@ MarkdownTable tabulate(const std::vector<Row>& rows) {
 
 }  // namespace
 
-void study_time(Study& study) {
+void study_time(const Page& page) {
   const Sample stone = make_stone(0);
   const Run analogue = run_photons(stone, {.photons = 12288, .tracking = PhotonTracking::analogue});
   const Run importance =
@@ -42,7 +42,7 @@ void study_time(Study& study) {
   const Run shared = run_photons(stone, {.photons = 8192});
   const double error = analogue.report.median_error;
   write_table(
-      study.page("acquisition"), "time",
+      page, "time",
       fmt::format("Stone of 32 × 32 pixels of 0.5 mm, radius 8 px, three channels, g = 0, {} "
                   "threads. Mean relative standard error of the pairs at {:.2f} mm, the median "
                   "offset; times to 15 % and 5 % are extrapolated.",
@@ -78,7 +78,7 @@ std::vector<double> ring_means(const PhotonSimulation& simulation, double step_m
 
 }  // namespace
 
-void study_similarity(Study& study) {
+void study_similarity(const Page& page) {
   const Sample stone = make_stone(0.8);
   const Run analogue = run_photons(stone, {.photons = 1536, .tracking = PhotonTracking::analogue});
   const Run importance =
@@ -87,8 +87,7 @@ void study_similarity(Study& study) {
   const Run similar = run_photons(stone, {.photons = 8192, .similarity = true});
   const double error = analogue.report.median_error;
   write_table(
-      study.page("acquisition"), "similarity-time",
-      "The same stone with g = 0.8 and the same σ_s′:",
+      page, "similarity-time", "The same stone with g = 0.8 and the same σ_s′:",
       tabulate({{"all photons alike, one direction of each pair", std::sqrt(2.0) * error,
                  analogue.seconds},
                 {"mean of both directions", error, analogue.seconds},
@@ -109,7 +108,7 @@ void study_similarity(Study& study) {
         (similar.report.channels[c].reflected.value / shared.report.channels[c].reflected.value -
          1) /
         3;
-  write_table(study.page("acquisition"), "similarity-bias",
+  write_table(page, "similarity-bias",
               fmt::format("Bias of similarity by distance in mm (rings of 0.5 mm); of the total "
                           "reflectance: {:+.2f} %.",
                           100 * totals),

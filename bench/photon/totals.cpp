@@ -13,7 +13,7 @@ std::string format_pair(const PhotonEstimate& found, double exact) {
 }
 
 // H functions and Fresnel by a linear solve; the diffuse part alone.
-void write_half_space(Study& study) {
+void write_half_space(const Page& page) {
   constexpr double eta[] = {1, 1.3, 1.4, 1.5};
   constexpr struct {
     double albedo, exact[4];
@@ -37,7 +37,7 @@ void write_half_space(Study& study) {
     }
     table.rows.push_back(cellsOfRow);
   }
-  write_table(study.page("acquisition"), "totals",
+  write_table(page, "totals",
               fmt::format("Diffuse reflectance of the half-space, in brackets the distance from "
                           "the exact value in standard errors: {} of {} within 3, the largest "
                           "{:.1f}, the mean square {:.2f}.",
@@ -45,7 +45,7 @@ void write_half_space(Study& study) {
               table);
 }
 
-void write_slabs(Study& study) {
+void write_slabs(const Page& page) {
   MarkdownTable table{{"slab, η = 1", "R", "exact", "T", "exact"}, {}};
   const struct {
     double albedo, g, b, reflected, transmitted;
@@ -65,14 +65,14 @@ void write_slabs(Study& study) {
                           format_pair(totals.transmitted, slab.transmitted),
                           fmt::format("{:.5f}", slab.transmitted)});
   }
-  write_table(study.page("acquisition"), "slabs", "Slabs, thickness in mean free paths:", table);
+  write_table(page, "slabs", "Slabs, thickness in mean free paths:", table);
 }
 
 }  // namespace
 
-void study_totals(Study& study) {
-  write_half_space(study);
-  write_slabs(study);
+void study_totals(const Page& page) {
+  write_half_space(page);
+  write_slabs(page);
 }
 
 }  // namespace parian::photon

@@ -1,23 +1,17 @@
 #include "bench/reference/kbmpp_2019.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "base/check.h"
 #include "base/error.h"
+#include "base/stopwatch.h"
 #include "bench/reference/kbmpp_2019_match.h"
 #include "bench/reference/kbmpp_2019_pairs.h"
 #include "bench/reference/kbmpp_2019_solver.h"
 
 namespace parian {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 void require(bool good, const char* field, const char* expected, double found) {
   if (good) return;
@@ -132,7 +126,7 @@ ProfileBlend run_kbmpp(const BssrdfTable& table, const std::vector<double>& knot
                        const KbmppParams& params, const KbmppCallback& callback) {
   check(params);
   PARIAN_CHECK(knots_mm.size() >= 2);
-  const Clock::time_point start = Clock::now();
+  const Stopwatch whole;
   const kbmpp::Pairs pairs = kbmpp::make_pairs(table, knots_mm);
   const std::vector<std::uint8_t> mask = kbmpp::make_pair_mask(pairs);
   kbmpp::Solver solver = kbmpp::make_solver(pairs, params);
@@ -143,26 +137,24 @@ ProfileBlend run_kbmpp(const BssrdfTable& table, const std::vector<double>& knot
   // a0 p^i = 1 at i = N_iter / 2
   const double p = std::pow(1 / params.a0, 2.0 / params.iterations);
   for (int i = 0; i < rounds; ++i) {
-    const Clock::time_point begin = Clock::now();
+    Stopwatch watch;
     round.largest_constraint = kbmpp::solve(solver);
-    solving += seconds_since(begin);
-    const Clock::time_point middle = Clock::now();
+    solving += watch.lap();
     const double probability = std::min(params.a0 * std::pow(p, i), 1.0);
     round.replaced =
         kbmpp::sweep(pairs, mask, {i, probability, params.random_candidates, params.seed},
                      solver.model, solver.work);
     kbmpp::read_model(solver);
-    round.seconds_match += seconds_since(middle);
+    round.seconds_match += watch.lap();
     if (!callback) continue;
-    const Clock::time_point stopped = Clock::now();
     round.iteration = i + 1;
-    round.seconds = seconds_since(start) - paused;
+    round.seconds = whole.seconds() - paused;
     round.evaluations = solver.evaluations;
     round.seconds_evaluations = solver.seconds_evaluations;
     round.seconds_solver = solving - solver.seconds_evaluations;
     round.energy = kbmpp::eval_feasible_energy(solver);
     callback(round);
-    paused += seconds_since(stopped);
+    paused += watch.lap();
   }
   return make_blend(table, knots_mm, solver);
 }

@@ -1,11 +1,11 @@
 #include "bench/reference/kbmpp_2019_solver.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/stopwatch.h"
 
 namespace parian::kbmpp {
 namespace {
@@ -167,7 +167,7 @@ void read_model(Solver& s) {
 }
 
 double eval_objective(Solver& s, const double* x, double* gradient) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   write_model(s, x);
   double energy = eval_energy(s.pairs, s.model, s.work);
   const auto channels = static_cast<std::size_t>(s.pairs.channels);
@@ -179,8 +179,7 @@ double eval_objective(Solver& s, const double* x, double* gradient) {
   if (s.model.per_pixel == 2) energy += add_single_weights(s, x + bases, gradient + bases);
   if (s.model.per_pixel > 2) energy += add_many_weights(s, x + bases, gradient + bases);
   ++s.evaluations;
-  s.seconds_evaluations +=
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  s.seconds_evaluations += watch.seconds();
   return energy;
 }
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "base/error.h"
 #include "base/parallel.h"
+#include "base/test_errors.h"
 #include "bench/reference/kbmpp_2019_match.h"
 #include "bench/reference/kbmpp_2019_pairs.h"
 #include "bench/reference/kbmpp_2019_solver.h"
@@ -221,20 +221,11 @@ TEST(Kbmpp, SameBitsForAnyNumberOfThreads) {
 TEST(Kbmpp, WrongParametersAreNamed) {
   KbmppParams params;
   params.per_pixel = 9;
-  try {
-    check(params);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "per_pixel: expected a value in [1, 8], found 9");
-  }
+  EXPECT_EQ(error_of([&] { check(params); }), "per_pixel: expected a value in [1, 8], found 9");
   params.per_pixel = 3;
   params.bases = 2;
-  try {
-    check(params);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "bases: expected a value in [per_pixel, 65535], found 2");
-  }
+  EXPECT_EQ(error_of([&] { check(params); }),
+            "bases: expected a value in [per_pixel, 65535], found 2");
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "bench/reference/linsss.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -9,6 +8,7 @@
 #include "base/check.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/stopwatch.h"
 #include "bench/reference/linsss_internal.h"
 
 namespace parian {
@@ -242,7 +242,7 @@ std::vector<LinsssChannel> fit_linsss(const BssrdfTable& table, const LinsssPara
 }
 
 Rival compress_linsss(const BssrdfTable& table, std::size_t bytes, std::uint64_t seed) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const std::size_t plane =
       sizeof(float) * static_cast<std::size_t>(table.header.channels) * table.header.pixels();
   LinsssParams params;
@@ -251,7 +251,7 @@ Rival compress_linsss(const BssrdfTable& table, std::size_t bytes, std::uint64_t
   Rival rival{.name = "LinSSS", .bytes = params.gaussians * plane};
   if (params.gaussians == 0) return rival;
   rival.slices = std::make_unique<LinsssSource>(table.header, fit_linsss(table, params));
-  rival.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  rival.seconds = watch.seconds();
   return rival;
 }
 

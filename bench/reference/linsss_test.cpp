@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bench/reference/test_values.h"
-#include "fit/fit_test_tables.h"
+#include "fit/test_tables.h"
 
 namespace parian {
 namespace {

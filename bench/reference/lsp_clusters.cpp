@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "base/check.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/stopwatch.h"
 #include "bench/reference/matrix_product.h"
 #include "fit/fit.h"
 #include "material/material.h"
@@ -218,7 +218,7 @@ std::size_t count_clusters(const ProfileMap& map, std::size_t bytes) {
 }
 
 Rival compress_lsp_clusters(const BssrdfTable& table, std::size_t bytes, std::uint64_t seed) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   FitParams params;
   params.fill_unmeasured = true;
   ProfileMap map = fit_profiles(*make_slices(table), params).map;
@@ -232,7 +232,7 @@ Rival compress_lsp_clusters(const BssrdfTable& table, std::size_t bytes, std::ui
                 map.pixels() * (found <= 256 ? std::size_t{1} : std::size_t{2});
   rival.slices =
       std::make_unique<ClusterSource>(write_out(blend, std::move(map)), table.header, rival.name);
-  rival.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  rival.seconds = watch.seconds();
   return rival;
 }
 

@@ -1,7 +1,6 @@
 #include "bench/reference/peers_2006.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "base/hot.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/stopwatch.h"
 
 namespace parian {
 namespace {
@@ -182,7 +182,7 @@ std::size_t peers_2006_bytes(const PeersChannel& channel) {
 
 Rival compress_peers_2006(const BssrdfTable& table, std::size_t bytes, std::uint64_t seed,
                           PeersForm form) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const auto channels = static_cast<std::size_t>(table.header.channels);
   Rival rival{.name = form_name(form)};
   std::vector<Factors> factors;
@@ -209,7 +209,7 @@ Rival compress_peers_2006(const BssrdfTable& table, std::size_t bytes, std::uint
   }
   rival.slices = make_factor_slices(table.header, std::move(factors),
                                     form == PeersForm::symmetrised, rival.name);
-  rival.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  rival.seconds = watch.seconds();
   return rival;
 }
 

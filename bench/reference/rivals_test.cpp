@@ -13,7 +13,7 @@
 #include "bench/reference/truncated_svd.h"
 #include "bench/reference/tucker.h"
 #include "fit/fit.h"
-#include "fit/fit_test_tables.h"
+#include "fit/test_tables.h"
 #include "material/material.h"
 
 namespace parian {

@@ -1,7 +1,6 @@
 #include "bench/reference/subedit_2009.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 
@@ -9,6 +8,7 @@
 #include "base/check.h"
 #include "base/hot.h"
 #include "base/parallel.h"
+#include "base/stopwatch.h"
 #include "fit/hessian.h"
 #include "math/fast_math.h"
 
@@ -17,12 +17,6 @@ namespace {
 
 constexpr std::size_t block = std::size_t{1} << 15u;
 constexpr int tile_height = 32;  // image rows whose unknowns stay in the second-level cache
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 double dot(const std::vector<float>& a, const std::vector<float>& b) {
   return parallel_sum(a.size(), block, [&](std::size_t begin, std::size_t end) {
@@ -267,7 +261,7 @@ void list_ordered_pairs(ReducedSystem& system) {
 
 ReferenceResult fit_subedit_2009_assembled(const SliceSource& table, int channel,
                                            const ReferenceParams& params) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   Assembly a{table, channel, reduced_params(table, params).knots_mm, {}, {}, {}};
   const std::size_t segments = a.knots.size() - 1, pixels = a.pixels();
   a.rows.resize(segments + 1);
@@ -282,7 +276,7 @@ ReferenceResult fit_subedit_2009_assembled(const SliceSource& table, int channel
   });
   ReferenceResult result;
   for (const RowBlock& rows : a.rows) result.matrix_bytes += rows.size() * sizeof(Row);
-  result.seconds_assembly = seconds_since(start);
+  result.seconds_assembly = watch.seconds();
   std::vector<std::vector<float>> sums(static_cast<std::size_t>(thread_count()),
                                        std::vector<float>(b.size()));
   solve(
@@ -292,7 +286,7 @@ ReferenceResult fit_subedit_2009_assembled(const SliceSource& table, int channel
 
 ReferenceResult fit_subedit_2009_on_the_fly(const SliceSource& table, int channel,
                                             const ReferenceParams& params) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   // A^T y and the row geometry; the products below go over the pairs, row by row.
   ReducedSystem system = make_reduced_system(table, channel, reduced_params(table, params));
   list_ordered_pairs(system);
@@ -302,7 +296,7 @@ ReferenceResult fit_subedit_2009_on_the_fly(const SliceSource& table, int channe
   HessianWorkspace workspace;
   const std::vector<float> b(system.right_hand_side.begin(), system.right_hand_side.end());
   ReferenceResult result;
-  result.seconds_assembly = seconds_since(start);
+  result.seconds_assembly = watch.seconds();
   solve(
       b, params,
       [&](const auto& d, auto& out) {

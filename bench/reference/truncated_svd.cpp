@@ -4,11 +4,11 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "base/random.h"
+#include "base/stopwatch.h"
 
 namespace parian {
 namespace {
@@ -102,7 +102,7 @@ Factors truncate(const Factors& factors, std::size_t rank) {
 }
 
 Rival compress_truncated_svd(const BssrdfTable& table, std::size_t bytes, std::uint64_t seed) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const TableHeader& header = table.header;
   const auto channels = static_cast<std::size_t>(header.channels);
   std::vector<Factors> factors;
@@ -124,7 +124,7 @@ Rival compress_truncated_svd(const BssrdfTable& table, std::size_t bytes, std::u
     rival.bytes += ranks[c] * term_bytes;
   }
   rival.slices = make_factor_slices(header, std::move(factors), false, rival.name);
-  rival.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  rival.seconds = watch.seconds();
   return rival;
 }
 

@@ -2,10 +2,10 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/stopwatch.h"
 #include "bench/reference/truncated_svd.h"
 
 namespace parian {
@@ -218,7 +218,7 @@ TuckerModel factor_tucker(const Tensor& tensor, const Sizes& rank, int sweeps) {
 }
 
 Rival compress_tucker(const BssrdfTable& table, std::size_t bytes, std::uint64_t seed) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   Rival rival{.name = "Tucker"};
   std::vector<ChannelTensor> channels;
   channels.reserve(static_cast<std::size_t>(table.header.channels));
@@ -237,7 +237,7 @@ Rival compress_tucker(const BssrdfTable& table, std::size_t bytes, std::uint64_t
     channel = {};
   }
   rival.slices = make_factor_slices(table.header, std::move(factors), false, rival.name);
-  rival.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  rival.seconds = watch.seconds();
   return rival;
 }
 

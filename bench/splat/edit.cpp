@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/stopwatch.h"
+#include "bench/common/timing.h"
 #include "bench/splat/study.h"
 #include "gl/live_renderer.h"
 #include "gl/splat_renderer.h"
@@ -28,15 +29,15 @@ std::vector<std::string> measure_edits(const GlLimits& limits, const std::string
     renderer.draw(true);
     (void)renderer.read();
   };
-  const double edit = seconds_of([&] {
+  const double edit = best_seconds(5, [&] {
     renderer.set_material(material);
     show();
   });
-  const double light = seconds_of([&] {
+  const double light = best_seconds(5, [&] {
     renderer.set_lights(scene.lights);
     show();
   });
-  const double camera = seconds_of([&] {
+  const double camera = best_seconds(5, [&] {
     renderer.set_camera(scene.camera);
     show();
   });
@@ -87,7 +88,7 @@ void study_live(const Page& page, const GlLimits& limits) {
     params.update = LiveUpdate::device;
     LiveRenderer renderer(limits, scene, transport, params);
     renderer.draw(true);
-    const double edit = seconds_of([&] {
+    const double edit = best_seconds(5, [&] {
       renderer.set_material(marble);
       renderer.draw(true);
       (void)renderer.read();
@@ -97,7 +98,7 @@ void study_live(const Page& page, const GlLimits& limits) {
                             transport.eta, /*has_fresnel=*/true);
     std::vector<Rgb> radiance;
     const TransportProjection projection(transport);
-    const double on_cpu = seconds_of([&] {
+    const double on_cpu = best_seconds(5, [&] {
       const TransportCoefficients coefficients = projection.fit(marble);
       eval_transport(transport, coefficients, {Rgb{1, 1, 1}}, view, radiance);
     });

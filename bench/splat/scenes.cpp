@@ -1,7 +1,5 @@
-#include <algorithm>
 #include <filesystem>
 
-#include "base/stopwatch.h"
 #include "bench/common/assets.h"
 #include "bench/common/bench_table.h"
 #include "bench/splat/study.h"
@@ -58,16 +56,6 @@ Scene make_dragon(const std::string& mesh_file, SurfaceMaterial material, int wi
   scene.camera.target = center(bounds(scene.mesh));
   frame_box(scene.camera, bounds(scene.mesh));
   return scene;
-}
-
-double seconds_of(const std::function<void()>& work) {
-  double best = 1e30;
-  for (int run = 0; run < 5; ++run) {
-    Stopwatch watch;
-    work();
-    best = std::min(best, watch.lap());
-  }
-  return best;
 }
 
 }  // namespace parian

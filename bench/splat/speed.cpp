@@ -2,8 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 
-#include "base/stopwatch.h"
+#include "bench/common/timing.h"
 #include "bench/splat/study.h"
 #include "gl/splat_rate.h"
 #include "gl/splat_renderer.h"
@@ -79,7 +80,7 @@ void append(std::vector<std::string>& row, const std::vector<std::string>& more)
 std::vector<std::string> measure_material(SplatRenderer& renderer, const Camera& camera,
                                           const std::string& name,
                                           const std::function<Material()>& load) {
-  const double loading = seconds_of([&] { (void)load(); });
+  const double loading = best_seconds(5, [&] { (void)load(); });
   const Material material = load();
   renderer.set_material(material);
   renderer.set_material(material);  // programs are there

@@ -1,7 +1,6 @@
 // The studies behind docs/splatting.md, on the dragon under one directional light.
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "bench/common/page.h"
@@ -24,8 +23,6 @@ Dipole make_marble();
 
 // 80 mm long.
 Scene make_dragon(const std::string& mesh_file, SurfaceMaterial material, int width, int height);
-// The least of five runs.
-double seconds_of(const std::function<void()>& work);
 
 // Bare squares; then splats by number of samples.
 void study_speed(const Page& page, const GlLimits& limits);

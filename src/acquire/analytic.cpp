@@ -13,7 +13,6 @@
 #include "acquire/sample.h"
 #include "base/check.h"
 #include "base/hot.h"
-#include "material/bssrdf_table.h"
 #include "math/fast_math.h"
 
 namespace parian {
@@ -85,20 +84,10 @@ void eval_dipole_block(const Coefficients& mean, double boundary_factor, double 
 }
 
 TableHeader make_header(const Sample& sample) {
-  TableHeader header;
-  header.width = sample.width;
-  header.height = sample.height;
-  header.channels = sample.channels;
-  header.pixel_pitch_mm = sample.pixel_pitch_mm;
-  header.boundary = Boundary::excluded;
-  header.eta = sample.eta;
-  header.symmetric = true;
-  header.sampling = Sampling::point;
-  header.provenance = make_provenance(sample.description);
-  for (const Offset offset : half_disc_offsets(sample.radius_px))
-    if (std::abs(offset.dx) < sample.width && std::abs(offset.dy) < sample.height)
-      header.offsets.push_back(offset);
-  return header;
+  const std::string provenance = make_provenance(
+      "analytic", {"model", "dipole with coefficients averaged along the straight path"},
+      sample.description);
+  return make_table_header(sample, Boundary::excluded, Sampling::point, provenance);
 }
 
 class AnalyticSource : public SliceSource {
@@ -112,7 +101,6 @@ class AnalyticSource : public SliceSource {
     const std::size_t count = static_cast<std::size_t>(header_.channels) * header_.pixels();
     PARIAN_CHECK_EQ(sigma_a_.size(), count);
     PARIAN_CHECK_EQ(sigma_s_prime_.size(), count);
-    check(header_, name_);
   }
 
   const TableHeader& header() const override { return header_; }

@@ -10,6 +10,7 @@
 #include "acquire/capture_synthesize.h"
 #include "acquire/test_documents_internal.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 
 namespace parian {
 namespace {

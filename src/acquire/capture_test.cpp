@@ -11,6 +11,7 @@
 #include "acquire/sample.h"
 #include "acquire/test_documents_internal.h"
 #include "base/parallel.h"
+#include "base/test_errors.h"
 #include "judge/compare.h"
 
 namespace parian {

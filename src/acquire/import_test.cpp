@@ -7,6 +7,7 @@
 #include "acquire/import_slices.h"
 #include "acquire/import_textures.h"
 #include "acquire/test_documents_internal.h"
+#include "base/test_errors.h"
 #include "material/bssrdf_table.h"
 #include "material/diffusion.h"
 

@@ -11,7 +11,6 @@
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "material/bssrdf_table.h"
 
 namespace parian {
 namespace {
@@ -21,26 +20,10 @@ constexpr std::uint64_t least_rounds = 16;             // for the variances
 constexpr std::uint64_t engine_version = 1;  // changes when the same seed gives other bits
 
 TableHeader make_header(const Sample& sample, const PhotonParams& params) {
-  TableHeader header;
-  header.width = sample.width;
-  header.height = sample.height;
-  header.channels = sample.channels;
-  header.pixel_pitch_mm = sample.pixel_pitch_mm;
-  header.boundary = Boundary::included;
-  header.eta = sample.eta;
-  header.symmetric = true;
-  header.sampling = Sampling::area;
-  for (const Offset offset : half_disc_offsets(sample.radius_px))
-    if (std::abs(offset.dx) < sample.width && std::abs(offset.dy) < sample.height)
-      header.offsets.push_back(offset);
   PhotonParams described = params;
-  header.provenance =
-      format_compact(Document::Object{{"kind", "photon"},
-                                      {"simulated", true},
-                                      {"parameters", write_params(describe(described))},
-                                      {"sample", sample.description}});
-  check(header, sample.name);
-  return header;
+  const std::string provenance = make_provenance(
+      "photon", {"parameters", write_params(describe(described))}, sample.description);
+  return make_table_header(sample, Boundary::included, Sampling::area, provenance);
 }
 
 // The photons that reach the table's radius are few, and those beyond or deep below it rarely come

@@ -7,6 +7,7 @@
 #include "acquire/test_documents_internal.h"
 #include "acquire/test_statistics_internal.h"
 #include "base/parallel.h"
+#include "base/test_errors.h"
 #include "material/bssrdf_table.h"
 
 namespace parian {

@@ -54,12 +54,10 @@ std::string format_compact(const Document& document) {
   return text;
 }
 
-std::string make_provenance(const Document& description) {
+std::string make_provenance(const std::string& engine, const Document::Object::value_type& how,
+                            const Document& description) {
   return format_compact(
-      Document::Object{{"kind", "analytic"},
-                       {"simulated", true},
-                       {"model", "dipole with coefficients averaged along the straight path"},
-                       {"sample", description}});
+      Document::Object{{"kind", engine}, {"simulated", true}, how, {"sample", description}});
 }
 
 }  // namespace parian

@@ -10,7 +10,8 @@ namespace parian {
 // A document as JSON text in one line, without spaces.
 std::string format_compact(const Document& document);
 
-// {"kind":"analytic","simulated":true,...,"sample":<description>} as compact JSON text.
-std::string make_provenance(const Document& description);
+// {"kind":<engine>,"simulated":true,<how>,"sample":<description>} as compact JSON text.
+std::string make_provenance(const std::string& engine, const Document::Object::value_type& how,
+                            const Document& description);
 
 }  // namespace parian

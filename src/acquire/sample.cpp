@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "material/bssrdf_table.h"
 
 namespace parian {
 namespace {
@@ -243,6 +244,23 @@ ParamList describe(SampleDepth& depth) {
           {.name = "solid",
            .help = "random structures in space: stones, not columns",
            .target = &depth.solid}};
+}
+
+TableHeader make_table_header(const Sample& sample, Boundary boundary, Sampling sampling,
+                              const std::string& provenance) {
+  TableHeader header;
+  header.width = sample.width;
+  header.height = sample.height;
+  header.channels = sample.channels;
+  header.pixel_pitch_mm = sample.pixel_pitch_mm;
+  header.boundary = boundary;
+  header.eta = sample.eta;
+  header.symmetric = true;
+  header.sampling = sampling;
+  header.provenance = provenance;
+  header.offsets = half_disc_offsets(sample.radius_px, sample.width, sample.height);
+  check(header, sample.name);
+  return header;
 }
 
 VariationFactors eval_variation(const Sample& sample, double x, double y, double z) {

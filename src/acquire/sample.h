@@ -80,6 +80,11 @@ struct VariationFactors {
 };
 VariationFactors eval_variation(const Sample& sample, double x, double y, double z);
 
+// The header of a table of the sample, which both engines share: all offsets within radius_px that
+// fit into its grid, one of each pair of directions. Errors name the sample.
+TableHeader make_table_header(const Sample& sample, Boundary boundary, Sampling sampling,
+                              const std::string& provenance);
+
 // The table of the analytic engine: the dipole at |x - y| with coefficients averaged along the
 // straight path from x to y (path_stencil.h). Slices are computed on demand, from any thread, and
 // agree with eval_dipole to a relative error of 2e-6; values below the smallest normal float

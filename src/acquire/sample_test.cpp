@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "acquire/test_documents_internal.h"
+#include "base/test_errors.h"
 
 namespace parian {
 namespace {

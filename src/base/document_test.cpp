@@ -2,21 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
-
-#include "base/error.h"
+#include "base/test_errors.h"
 
 namespace parian {
 namespace {
-
-std::string error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 Document located(Document node, const std::string& pointer) {
   node.file = std::make_shared<std::string>("a.json");

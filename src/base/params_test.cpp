@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "base/error.h"
+#include "base/test_errors.h"
 
 namespace parian {
 namespace {
@@ -27,15 +27,6 @@ ParamList describe(Example& example) {
       {.name = "weight", .help = "", .target = make_choice(example.weight, {"uniform", "energy"})},
       {.name = "knots", .help = "", .target = &example.knots, .min = 0},
       {.name = "seed", .help = "", .target = &example.seed}};
-}
-
-std::string error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(Params, FormatsAndParsesEveryKind) {

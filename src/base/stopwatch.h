@@ -7,16 +7,19 @@ namespace parian {
 
 class Stopwatch {
  public:
-  // Seconds since the last lap, or since it was made.
+  // Since the last lap, or since it was made.
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - last_).count(); }
+  // The same, and begins the next lap.
   double lap() {
-    const auto now = std::chrono::steady_clock::now();
+    const Clock::time_point now = Clock::now();
     const double seconds = std::chrono::duration<double>(now - last_).count();
     last_ = now;
     return seconds;
   }
 
  private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point last_ = Clock::now();
 };
 
 }  // namespace parian

@@ -45,11 +45,11 @@ struct Trial {
 class Trials {
  public:
   Trials(const ProfileMap& map, std::shared_ptr<const BlendObjective> objective,
-         CompressParams params, bool packed, const BlendMeasures& measures,
+         const CompressParams& params, bool packed, const BlendMeasures& measures,
          const Progress& progress)
       : map_(map),
         objective_(std::move(objective)),
-        params_(std::move(params)),
+        params_(params),
         packed_(packed),
         measures_(measures),
         progress_(progress) {}

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "base/error.h"
+#include "base/stopwatch.h"
 #include "compress/assign.h"
 #include "compress/log_objective.h"
 #include "compress/pair_objective.h"
@@ -293,7 +293,7 @@ double progress_of(const CompressState& state) {
 ProfileBlend compress_profiles(const ProfileMap& map, const SliceSource* table,
                                const CompressParams& params, const Progress& progress,
                                CompressReport* report) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   CompressState state = make_compress_state(
       map, make_blend_objective(map, table, params.objective, progress), params);
   while (!state.done) {
@@ -303,8 +303,7 @@ ProfileBlend compress_profiles(const ProfileMap& map, const SliceSource* table,
   if (report != nullptr) {
     report->rounds = state.history;
     report->energy = state.run.energy;
-    report->seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report->seconds = watch.seconds();
   }
   return make_blend(state);
 }

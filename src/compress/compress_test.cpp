@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "base/error.h"
 #include "base/parallel.h"
+#include "base/test_errors.h"
 #include "compress/test_materials.h"
 
 namespace parian {
@@ -195,15 +195,6 @@ TEST(Compress, GainAndDilationAreWrittenIntoTheProfiles) {
   for (double r : {0.0, 0.5, 1.5})
     EXPECT_NEAR(eval_log_profile(get_profile(blend, 1, 3, 2), r),
                 eval_log_profile(get_profile(map, 1, 3, 2), r), 1e-4);
-}
-
-std::string error_of(const std::function<void()>& body) {
-  try {
-    body();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(Compress, BadInputIsNamed) {

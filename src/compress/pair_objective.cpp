@@ -81,6 +81,7 @@ struct PairProblem {
 
 std::vector<std::ptrdiff_t> make_shifts(const PaddedGrid& grid, const Ring& ring) {
   std::vector<std::ptrdiff_t> shifts;
+  shifts.reserve(ring.offsets.size());
   for (Offset d : ring.offsets)
     shifts.push_back(static_cast<std::ptrdiff_t>(d.dy) * static_cast<std::ptrdiff_t>(grid.stride) +
                      d.dx);

@@ -112,13 +112,6 @@ Plane mean_radius_plane(const EditState& state) {
   return radius;
 }
 
-std::vector<RangeKind> range_kinds(const EditState& state) {
-  std::vector<RangeKind> kinds(state.values());
-  for_each_profile(
-      state, [&](std::size_t i, const Profile& profile) { profile_range(profile, &kinds[i]); });
-  return kinds;
-}
-
 Profile get_profile(const EditState& state, int channel, int x, int y) {
   PARIAN_CHECK(x >= 0 && x < state.width && y >= 0 && y < state.height && channel >= 0 &&
                channel < state.channels);

@@ -52,9 +52,8 @@ ProfileMap make_profile_map(const EditState& state);
 // The properties as they stand: 2 pi C and alpha in mm.
 Plane albedo_plane(const EditState& state);
 Plane range_plane(const EditState& state);
-// int P r^2 dr / int P r dr in mm, and what kind of range each is.
+// int P r^2 dr / int P r dr in mm.
 Plane mean_radius_plane(const EditState& state);
-std::vector<RangeKind> range_kinds(const EditState& state);
 Profile get_profile(const EditState& state, int channel, int x, int y);
 
 // The state with new albedos, or ranges: only values that differ from the old ones change gain or

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <string>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "material/bssrdf_table.h"
 
 namespace parian {
@@ -201,12 +201,8 @@ TEST(Features, PropertiesCountAlikeWhateverTheirUnit) {
 TEST(Features, RejectsValuesThatAreNotFinite) {
   std::vector<float> raw(24, 0.0F);
   raw[2 * 7 + 1] = std::nanf("");
-  try {
-    make_features(4, 3, 2, raw);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_STREQ(e.what(), "feature at pixel (3, 1): expected a finite value, found nan");
-  }
+  EXPECT_EQ(error_of([&] { make_features(4, 3, 2, raw); }),
+            "feature at pixel (3, 1): expected a finite value, found nan");
   EXPECT_THROW(make_property_features(4, 3, 2, raw), Error);
 }
 

@@ -9,9 +9,9 @@
 #include <numeric>
 #include <utility>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "edit/mask_shapes.h"
 
 namespace parian {
@@ -302,12 +302,7 @@ TEST(Mask, ThresholdSelectsARange) {
 }
 
 std::string error_of(const Image& image) {
-  try {
-    make_mask(image, 3, 2);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
+  return parian::error_of([&] { make_mask(image, 3, 2); });
 }
 
 TEST(Mask, ImagesMustFit) {

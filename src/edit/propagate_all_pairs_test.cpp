@@ -8,9 +8,9 @@
 #include <cmath>
 #include <string>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 
 namespace parian {
 namespace {
@@ -168,13 +168,8 @@ TEST(PropagateAllPairs, SameBitsForAnyThreads) {
 
 TEST(PropagateAllPairs, RejectsBadInput) {
   const Features features = random_features(5, 5, 5);
-  try {
-    propagate_all_pairs(features, {}, 1);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_STREQ(e.what(),
-                 "strokes: expected at least one pixel with a positive weight, found none");
-  }
+  EXPECT_EQ(error_of([&] { propagate_all_pairs(features, {}, 1); }),
+            "strokes: expected at least one pixel with a positive weight, found none");
   EXPECT_THROW(propagate_all_pairs(features, {{.pixel = 25}}, 1), Error);
   EXPECT_THROW(propagate_all_pairs(features, {{.pixel = 2}}, 1, {.columns = 0}), Error);
 }

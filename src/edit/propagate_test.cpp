@@ -8,9 +8,9 @@
 #include <limits>
 #include <string>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 
 namespace parian {
 namespace {
@@ -254,12 +254,7 @@ TEST(Propagate, SameBitsForAnyThreads) {
 
 std::string error_of(const Scene& scene, const std::vector<StrokePixel>& strokes,
                      const PropagateParams& params = {}) {
-  try {
-    propagate(scene.graph, scene.features, strokes, 1, params);
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+  return parian::error_of([&] { propagate(scene.graph, scene.features, strokes, 1, params); });
 }
 
 TEST(Propagate, RejectsBadStrokesAndParameters) {
@@ -272,10 +267,10 @@ TEST(Propagate, RejectsBadStrokesAndParameters) {
             "stroke 0, pixel 3: expected a weight in [0, 1e6], found -1");
   EXPECT_EQ(error_of(scene, {{.pixel = 3, .weight = std::nanf("")}}),
             "stroke 0, pixel 3: expected a weight in [0, 1e6], found nan");
-  EXPECT_NE(error_of(scene, {{.pixel = 3}}, {.sigma = 0}), "");
-  EXPECT_NE(error_of(scene, {{.pixel = 3}}, {.prior = std::nan("")}), "");
-  EXPECT_NE(error_of(scene, {{.pixel = 30}}), "");  // a contract: outside
-  EXPECT_NE(error_of(scene, {{.pixel = 3, .stroke = 1}}), "");
+  EXPECT_NE(error_of(scene, {{.pixel = 3}}, {.sigma = 0}), "no error");
+  EXPECT_NE(error_of(scene, {{.pixel = 3}}, {.prior = std::nan("")}), "no error");
+  EXPECT_NE(error_of(scene, {{.pixel = 30}}), "no error");  // a contract: outside
+  EXPECT_NE(error_of(scene, {{.pixel = 3, .stroke = 1}}), "no error");
   const Scene other = random_scene(5, 6, 1);
   EXPECT_EQ(error_of({other.features, scene.graph}, {{.pixel = 3}}),
             "neighbour graph: expected 5 x 6 pixels as the features have, found 6 x 5");

@@ -8,9 +8,9 @@
 #include <map>
 #include <numeric>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "edit/synthesis_seams.h"
 #include "edit/synthesis_search.h"
 
@@ -85,12 +85,7 @@ double wrap_roughness(const std::vector<float>& plane, int width, int height) {
 
 std::string error_text(const std::vector<float>& planes, int count, int width, int height,
                        const SynthesisParams& params) {
-  try {
-    synthesize(planes, count, width, height, params);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return parian::error_of([&] { synthesize(planes, count, width, height, params); });
 }
 
 TEST(Synthesis, gives_valid_indices_for_any_size_and_patch) {

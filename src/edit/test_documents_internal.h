@@ -1,14 +1,14 @@
 // Recipes made by code, for tests.
 #pragma once
 
-#include "base/document.h"
+#include <utility>
+#include <vector>
+
+#include "base/test_documents.h"
 #include "edit/selection_cache.h"
 
 namespace parian {
 
-inline Document object(Document::Object members) {
-  return Document(std::move(members));
-}
 inline Document point(double x, double y) {
   return Document(Document::Array{x, y});
 }

@@ -1,7 +1,6 @@
 #include "fit/fit.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <deque>
 #include <functional>
@@ -9,24 +8,13 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/stopwatch.h"
 #include "fit/monotone.h"
 #include "fit/noise_fit.h"
 #include "fit/solve.h"
 
 namespace parian {
 namespace {
-
-class Stopwatch {
- public:
-  // Seconds since the last call.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 // What channels with equal weights share.
 struct SharedSolver {

@@ -6,9 +6,9 @@
 #include <functional>
 #include <string>
 
-#include "base/error.h"
 #include "base/parallel.h"
-#include "fit/fit_test_tables.h"
+#include "base/test_errors.h"
+#include "fit/test_tables.h"
 #include "material/material.h"
 
 namespace parian {
@@ -16,15 +16,6 @@ namespace {
 
 FitResult fit(const BssrdfTable& table, const FitParams& params) {
   return fit_profiles(*make_slices(table, "t.h5"), params);
-}
-
-std::string error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 // Known profiles: non-increasing, different at every pixel.
@@ -54,8 +45,7 @@ double mean_relative_error(const BssrdfTable& a, const BssrdfTable& b) {
 TEST(Fit, RecoversATableMadeFromKnownProfiles) {
   const Material truth = make_known_map(16, 14, 5);
   TableHeader header = natural_header(truth);
-  header.offsets.clear();
-  for (Offset offset : half_disc_offsets(5)) header.offsets.push_back(offset);
+  header.offsets = half_disc_offsets(5);
   const BssrdfTable table = read_table(*make_slices(truth, header));
   FitParams params;
   params.lambda = 0;
@@ -250,12 +240,8 @@ TEST(Fit, CanBeCancelled) {
   const BssrdfTable table = make_test_table(8, 8, 3);
   Progress progress;
   progress.is_cancelled = [] { return true; };
-  try {
-    fit_profiles(*make_slices(table), {}, progress);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind, ErrorKind::cancelled);
-  }
+  EXPECT_EQ(catch_error([&] { fit_profiles(*make_slices(table), {}, progress); }).kind,
+            ErrorKind::cancelled);
 }
 
 }  // namespace

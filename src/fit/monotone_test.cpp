@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "fit/fit_test_tables.h"
+#include "fit/test_tables.h"
 
 namespace parian {
 namespace {

@@ -3,16 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <string>
 
-#include "base/error.h"
 #include "base/parallel.h"
+#include "base/test_errors.h"
 #include "fit/fit.h"
-#include "fit/fit_test_tables.h"
 #include "fit/hessian_internal.h"
+#include "fit/test_tables.h"
 #include "judge/row_sums.h"
 #include "material/material.h"
+#include "material/test_noise.h"
 
 namespace parian {
 namespace {
@@ -207,15 +207,6 @@ TEST(NoiseFit, FillsUnmeasuredPixelsOnRequest) {
   EXPECT_THROW(fit(table, {}), Error);
 }
 
-std::string error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 TEST(NoiseFit, ErrorsSayWhatIsMissing) {
   BssrdfTable table = make_test_table(8, 8, 3);
   table.header.noise_floor = table.header.noise_gain = {1e-3};
@@ -242,12 +233,8 @@ TEST(NoiseFit, CanBeCancelledAtAnyPass) {
     int left = calls;
     Progress progress;
     progress.is_cancelled = [&] { return --left <= 0; };
-    try {
-      fit_profiles(*make_slices(table), {}, progress);
-      FAIL();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind, ErrorKind::cancelled);
-    }
+    EXPECT_EQ(catch_error([&] { fit_profiles(*make_slices(table), {}, progress); }).kind,
+              ErrorKind::cancelled);
   }
 }
 

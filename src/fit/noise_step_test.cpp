@@ -4,7 +4,8 @@
 
 #include <cmath>
 
-#include "fit/fit_test_tables.h"
+#include "fit/test_tables.h"
+#include "material/test_noise.h"
 
 namespace parian {
 namespace {

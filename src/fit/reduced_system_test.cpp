@@ -7,11 +7,11 @@
 #include <functional>
 #include <string>
 
-#include "base/error.h"
-#include "fit/fit_test_tables.h"
+#include "base/test_errors.h"
 #include "fit/hessian.h"
 #include "fit/pair_weights.h"
 #include "fit/solve.h"
+#include "fit/test_tables.h"
 
 namespace parian {
 namespace {
@@ -314,15 +314,6 @@ TEST(Solve, SinglePrecisionReportsItsTrueResidualAndEnergy) {
     const Hessian single = make_hessian(system, hessian.method, false);
     EXPECT_NEAR(eval_energy(system, single, p.data()), energy, 1e-5 * explained) << c.name;
   }
-}
-
-std::string error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(ReducedSystem, PixelsWithoutAPairAreAnErrorOrMasked) {

@@ -102,6 +102,11 @@ void check_features(const GlFeatures& features, const GlLimits& limits) {
     fail("the extension EXT_color_buffer_float", fmt::format("'{}' without", limits.renderer));
 }
 
+bool is_software(const std::string& renderer) {
+  const auto is_called = [&](const char* name) { return renderer.find(name) != std::string::npos; };
+  return is_called("llvmpipe") || is_called("softpipe") || is_called("swrast");
+}
+
 GlLimits query_limits() {
   GlLimits limits;
   limits.renderer = get_string(GL_RENDERER);

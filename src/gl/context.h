@@ -29,6 +29,9 @@ void check_features(const GlFeatures& features, const GlLimits& limits);
 // Of the current context. Throws as check_features.
 GlLimits query_limits();
 
+// Mesa's rasterisers for the CPU, by GlLimits::renderer.
+bool is_software(const std::string& renderer);
+
 // ES 3.0, or the core profile of OpenGL 3.3.
 enum class ContextKind { embedded, desktop };
 

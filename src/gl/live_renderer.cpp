@@ -5,28 +5,16 @@
 
 #include "base/check.h"
 #include "base/stopwatch.h"
+#include "gl/context.h"
 #include "gl/shading.h"
 #include "gl/transport_textures.h"
 
 namespace parian {
 
 ParamList describe(LiveParams& params) {
-  return {{.name = "antialias",
-           .help = "n x n pixels drawn per pixel",
-           .target = &params.antialias,
-           .min = 1,
-           .max = 8,
-           .symbol = "n"},
-          {.name = "shadow-size",
-           .help = "texels of a shadow map's side",
-           .target = &params.shadow_size,
-           .min = 64,
-           .max = 16'384},
-          {.name = "reflection-rays",
-           .help = "per pixel drawn and environment light",
-           .target = &params.reflection_rays,
-           .min = 1,
-           .max = 1024},
+  return {describe_antialias(params.antialias),
+          describe_shadow_size(params.shadow_size),
+          describe_reflection_rays(params.reflection_rays),
           {.name = "live-update",
            .help = "where transport is summed: automatic is the CPU for software devices",
            .target = make_choice(params.update, {"automatic", "device", "cpu"})}};
@@ -35,9 +23,7 @@ ParamList describe(LiveParams& params) {
 namespace {
 
 bool updates_on_cpu(LiveUpdate update, const std::string& renderer) {
-  if (update != LiveUpdate::automatic) return update == LiveUpdate::cpu;
-  const auto is_called = [&](const char* name) { return renderer.find(name) != std::string::npos; };
-  return is_called("llvmpipe") || is_called("softpipe") || is_called("swrast");
+  return update == LiveUpdate::automatic ? is_software(renderer) : update == LiveUpdate::cpu;
 }
 
 // What updates on the CPU need.

@@ -73,7 +73,7 @@ constexpr float most_samples = 1e6f;
 
 // Rows of the field at all pixels, turned into the planes that the textures hold.
 struct Planes {
-  std::vector<float> support, half_log, integral, count;
+  std::vector<float> support, half_log, integral, count;  // the logarithm of the integral
 };
 
 // What turning them takes; no nodes: the rows are not wanted.
@@ -93,6 +93,7 @@ void fill_pixel(const ProfileField& field, const PlaneRules& rules, int x, int y
   field.eval(x, y, row.data(), support.data());
   if (support[0] <= 0) {
     std::fill_n(&planes.count[3 * pixel], 3, most_samples);
+    std::fill_n(&planes.integral[3 * pixel], 3, std::log(1e-30f));
     return;
   }
   for (std::size_t c = 0; c < 3; ++c) {
@@ -101,7 +102,7 @@ void fill_pixel(const ProfileField& field, const PlaneRules& rules, int x, int y
     const NearValues near = integrate_near(
         end >= rules.near_mm ? rules.near : make_near_rule(field.knots_mm, end, rules.near_mm),
         &row[c]);
-    planes.integral[3 * pixel + c] = static_cast<float>(near.integral);
+    planes.integral[3 * pixel + c] = static_cast<float>(std::log(std::max(near.integral, 1e-30)));
     planes.count[3 * pixel + c] = static_cast<float>(
         std::min(static_cast<double>(most_samples),
                  near.integral * near.integral / std::max(1e-300, rules.area_mm2 * near.square)));
@@ -215,6 +216,29 @@ Vec3 eval_reference(const ReferenceProfile& reference, double r_mm) {
           interpolate(place, values + 2)};
 }
 
+std::array<double, 3> eval_reference_kernel(const ReferenceProfile& reference, double r_mm) {
+  const Vec3 h = eval_reference(reference, r_mm);
+  std::array<double, 3> kernel{};
+  for (std::size_t c = 0; c < 3; ++c)
+    if (r_mm < static_cast<double>(reference.support_mm[c]))
+      kernel[c] = std::exp(2 * static_cast<double>(component(h, static_cast<int>(c))));
+  return kernel;
+}
+
+Vec3 eval_reference_node(const ReferenceProfile& reference, const std::vector<float>& nodes,
+                         std::size_t index) {
+  const float before = nodes[index == 0 ? 0 : index - 1];
+  const float step = std::max(nodes[index] - before, 1e-6f);
+  const auto cut = [&](float support) {
+    if (support <= before) return -20.0f;
+    const float f = std::clamp((support - before) / step, 0.05f, 1.0f);
+    return -(1 - f) * (1 + 1.15f * f) / f;
+  };
+  const auto& support = reference.support_mm;
+  return eval_reference(reference, static_cast<double>(nodes[index])) +
+         Vec3{cut(support[0]), cut(support[1]), cut(support[2])};
+}
+
 std::size_t MaterialTextures::bytes() const {
   std::size_t sum = 0;
   for (const Texture* texture :
@@ -245,6 +269,10 @@ MaterialTextures make_material_textures(const ProfileBlend* blend, const Profile
   textures.support = plane(planes.support, "supports of the profiles");
   textures.near_integral = plane(planes.integral, "near term");
   textures.near_count = plane(planes.count, "near term");
+  for (std::size_t i = 0; i < planes.support.size(); ++i) {
+    float& longest = textures.reference.support_mm[i % 3];
+    longest = std::max(longest, planes.support[i]);
+  }
   textures.is_sparse = *std::min_element(planes.count.begin(), planes.count.end()) < enough;
   if (blend != nullptr)
     add_blend(*blend, textures);
@@ -258,6 +286,8 @@ MaterialTextures make_material_textures(const ProfileBlend* blend, const Profile
 int bind_material(const Program& program, const MaterialTextures& material, int unit) {
   set_uniform(program, "node_r", material.nodes);
   bind_texture(program, "material_support", unit++, material.support);
+  bind_texture(program, "near_integral", unit++, material.near_integral);
+  bind_texture(program, "near_count", unit++, material.near_count);
   if (material.half_log.handle.get() != 0) {
     bind_texture(program, "half_log_rows", unit++, material.half_log);
     return unit;

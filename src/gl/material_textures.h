@@ -1,6 +1,7 @@
 // A material as the shaders see it: profiles of its pixels at the renderer's radii.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -10,13 +11,21 @@
 
 namespace parian {
 
-// One profile that stands for all of the material: the mean of h = 1/2 ln P over its pixels.
-// Splatting sums with it, and corrects by what profiles differ from it.
+// One profile that stands for all of the material: the mean of h = 1/2 ln P over its pixels, up to
+// the longest support. Splatting sums with it, and corrects by what profiles differ from it.
 struct ReferenceProfile {
   std::vector<float> knots_mm;
   std::vector<Vec3> half_log;
+  std::array<float, 3> support_mm{};
 };
+// h, also beyond the support.
 Vec3 eval_reference(const ReferenceProfile& reference, double r_mm);
+// A^2 = exp(2 h), 0 beyond the support.
+std::array<double, 3> eval_reference_kernel(const ReferenceProfile& reference, double r_mm);
+// h at node `index` of nodes, with the end of the support as shaders/material.glsl has it
+// (cut_log).
+Vec3 eval_reference_node(const ReferenceProfile& reference, const std::vector<float>& nodes,
+                         std::size_t index);
 
 struct MaterialTextures {
   std::vector<std::string> defines;  // for shaders with material.glsl
@@ -32,7 +41,7 @@ struct MaterialTextures {
   Texture half_log;                   // of a map
   Texture base, index, weight, gain;  // of a blend
   bool is_sparse = false;             // somewhere too few samples carry the near term
-  Texture near_integral, near_count;  // of the near term
+  Texture near_integral, near_count;  // of the near term: ln I, n
 
   std::size_t bytes() const;
 };

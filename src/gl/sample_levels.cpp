@@ -73,13 +73,28 @@ RadialLevels make_radial_levels(double radius_mm, double overlap, double max_sup
   return levels;
 }
 
+std::array<float, 4> RadialLevels::weight_place(int level) const {
+  const double narrow = std::exp2(0.5 - 0.5 * overlap), wide = std::exp2(0.5 + 0.5 * overlap);
+  const double radius = level_radius(level), width = wide - narrow;
+  std::array<float, 4> place{0, 1, 0, 1};
+  if (level > 0) {
+    place[0] = static_cast<float>(2 / (radius * width));
+    place[1] = static_cast<float>(-narrow / width);
+  }
+  if (level + 1 < count) {
+    place[2] = static_cast<float>(-1 / (radius * width));
+    place[3] = static_cast<float>(wide / width);
+  }
+  return place;
+}
+
 double level_weight(const RadialLevels& levels, int level, double r_mm) {
   if (level + 1 == levels.count && r_mm >= levels.last_mm(level)) return 0;
-  const double u = std::log2(std::max(r_mm, 1e-30) / levels.level_radius(level));
-  const double rise = (u + 0.5) / levels.overlap + 0.5, fall = 0.5 - (u - 0.5) / levels.overlap;
-  const double below = level == 0 ? 1 : smooth_step(std::clamp(rise, 0.0, 1.0));
-  const double above = level + 1 == levels.count ? 1 : smooth_step(std::clamp(fall, 0.0, 1.0));
-  return below * above;
+  const std::array<float, 4> place = levels.weight_place(level);
+  const auto part = [&](std::size_t i) {
+    return r_mm * static_cast<double>(place[i]) + static_cast<double>(place[i + 1]);
+  };
+  return smooth_step(std::clamp(std::min(part(0), part(2)), 0.0, 1.0));
 }
 
 std::array<int, 5> level_nodes(int level) {

@@ -7,6 +7,7 @@
 #include "gl/objects.h"
 #include "gl/shading.h"
 #include "gl/sources.h"
+#include "gl/splat_fit.h"
 #include "gl/splat_levels.h"
 #include "gl/splat_rate.h"
 
@@ -58,7 +59,9 @@ TEST(Shaders, CompileInBothKindsOfContexts) {
     const OffscreenContext context(kind);
     compile_materials();
     compile_transport();
-    EXPECT_NO_THROW((void)make_splat_programs());
+    for (const bool on_software : {false, true})
+      EXPECT_NO_THROW((void)make_splat_programs(on_software));
+    EXPECT_NO_THROW((void)make_fit_programs());
     EXPECT_NO_THROW((void)make_source_programs());
     EXPECT_NO_THROW((void)make_shading_programs());
     EXPECT_NO_THROW((void)make_geometry_program());

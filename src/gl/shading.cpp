@@ -51,6 +51,31 @@ void reflect(const PictureTargets& targets, const ShadingPrograms& programs,
 
 }  // namespace
 
+Param describe_antialias(int& antialias) {
+  return {.name = "antialias",
+          .help = "n x n pixels drawn per pixel",
+          .target = &antialias,
+          .min = 1,
+          .max = 8,
+          .symbol = "n"};
+}
+
+Param describe_shadow_size(int& shadow_size) {
+  return {.name = "shadow-size",
+          .help = "texels of a shadow map's side",
+          .target = &shadow_size,
+          .min = 64,
+          .max = 16'384};
+}
+
+Param describe_reflection_rays(int& reflection_rays) {
+  return {.name = "reflection-rays",
+          .help = "per pixel drawn and environment light",
+          .target = &reflection_rays,
+          .min = 1,
+          .max = 1024};
+}
+
 PictureTargets make_picture_targets(int width, int height) {
   PictureTargets targets;
   targets.geometry = make_geometry_buffer(width, height);

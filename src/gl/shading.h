@@ -11,6 +11,11 @@
 
 namespace parian {
 
+// Parameters of every picture.
+Param describe_antialias(int& antialias);
+Param describe_shadow_size(int& shadow_size);
+Param describe_reflection_rays(int& reflection_rays);
+
 // What is drawn to: `exitance` pi / T times radiance, in [row][column] of all pixels drawn.
 struct PictureTargets {
   GeometryBuffer geometry;

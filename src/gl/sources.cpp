@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "base/check.h"
 
 namespace parian {
@@ -24,6 +26,15 @@ std::vector<float> pack(std::size_t count, const auto& get) {
     values[4 * i + 3] = 1;
   }
   return values;
+}
+
+// A unit vector as pack_normal of shaders/octahedral.glsl packs it.
+float pack_normal(Vec3 n) {
+  const float sum = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
+  Vec2 e{n.x / sum, n.y / sum};
+  if (n.z < 0) e = {std::copysign(1 - std::abs(e.y), e.x), std::copysign(1 - std::abs(e.x), e.y)};
+  const auto steps = [](float v) { return std::floor(2047.5f * (v + 1) + 0.5f); };
+  return 1 + steps(e.x) + 4096 * steps(e.y);
 }
 
 Texture make_line_texture(std::size_t count, int blocks, const char* what, const void* data) {
@@ -58,7 +69,8 @@ Sources make_sources(const std::vector<SurfacePoint>& samples, const std::vector
   Sources sources;
   sources.area_mm2 = area_mm2;
   const std::size_t count = samples.size();
-  const auto position = pack(count, [&](std::size_t i) { return samples[i].position; });
+  auto position = pack(count, [&](std::size_t i) { return samples[i].position; });
+  for (std::size_t i = 0; i < count; ++i) position[4 * i + 3] = pack_normal(samples[i].normal);
   const int blocks = static_cast<int>(radial.nodes.size()) + 1;
   for (int l = 0; l < radial.count; ++l) {
     SourceLevel level;
@@ -68,12 +80,14 @@ Sources make_sources(const std::vector<SurfacePoint>& samples, const std::vector
     level.positions =
         make_line_texture(size, 1, "places of samples", l == 0 ? position.data() : nullptr);
     level.rows = make_line_texture(size, blocks, "profiles of samples", nullptr);
+    for (Texture& fit : level.fit) fit = make_line_texture(size, 1, "fits of samples", nullptr);
     sources.levels.push_back(std::move(level));
   }
-  const auto normal = pack(count, [&](std::size_t i) { return samples[i].normal; });
   const auto place = pack(count, [&](std::size_t i) { return Vec3{places[i].x, places[i].y, 0}; });
+  const auto normal = pack(count, [&](std::size_t i) { return samples[i].normal; });
   sources.normals = make_line_texture(count, 1, "normals of samples", normal.data());
   sources.places = make_line_texture(count, 1, "places of samples", place.data());
+  sources.near = make_line_texture(count, 1, "near term of samples", nullptr);
   sources.flux = make_line_texture(count, 1, "flux of samples", nullptr);
   return sources;
 }
@@ -85,14 +99,18 @@ Program make_rows_program(const MaterialTextures& material) {
 
 void bake_profiles(Sources& sources, const Program& program, const MaterialTextures& material) {
   const SourceLevel& level = sources.levels.front();
-  const Framebuffer target = make_framebuffer({{&level.rows}}, "profiles of samples");
-  bind(target);
   use(program);
   set_uniform(program, "row_lines", level.lines);
   bind_texture(program, "sample_places", 0, sources.places);
   bind_material(program, material, 1);
   set_additive_blending(false);
-  draw_screen();
+  for (const bool near : {false, true}) {
+    const Framebuffer target =
+        make_framebuffer({{near ? &sources.near : &level.rows}}, "profiles of samples");
+    bind(target);
+    set_uniform(program, "first_node", near ? static_cast<int>(material.nodes.size()) + 1 : 0);
+    draw_screen();
+  }
   check_gl("profiles of samples");
 }
 

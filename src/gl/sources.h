@@ -1,6 +1,7 @@
 // Emitters on the graphics device: the samples' profiles, and the moments of their groups.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "gl/material_textures.h"
@@ -12,14 +13,16 @@ namespace parian {
 struct SourceLevel {
   int count = 0;
   int lines = 0;      // rows of texels that hold one value of each
-  Texture positions;  // mm
-  Texture rows;       // [node][source]: exp(h) (level 0) or moments; the last node: 1, or the flux
+  Texture positions;  // mm; of samples w has the packed normal
+  Texture rows;       // [node][source]: exp(h) (level 0) or moments; after the last 1, or the flux
+  std::array<Texture, 3> fit;  // splat_fit.h
 };
 
 struct Sources {
   double area_mm2 = 0;
   std::vector<SourceLevel> levels;
-  Texture places, normals, flux;  // of the samples
+  // Of the samples; `near`: the roots of the near term's integrals.
+  Texture places, normals, flux, near;
 };
 struct SourcePrograms {
   Program sum_samples, sum_groups, centre_samples, centre_groups;

@@ -14,7 +14,7 @@ namespace parian {
 namespace {
 
 constexpr int tile = 8;  // texels of a side
-constexpr int table_steps = 1024;
+constexpr int kernel_steps = 1024;
 // B is kept where it lies farther from A than this many texels' sides.
 constexpr double layer_distance = 1.5;
 
@@ -102,51 +102,17 @@ double largest_splat(const SplatCamera& camera, double radius) {
   return 1.1 * stretch * radius / (std::sqrt(depth * depth - radius * radius) * y);
 }
 
-// int A^2 w dA over a plane, w the near term's weight, and the mean radius there.
-struct NearReference {
-  double integral[3] = {0, 0, 0};
-  double mean_mm = 0;
-};
-NearReference integrate_near(const ReferenceProfile& reference, double near_mm) {
+// int A^2 w dA over a plane, w the near term's weight.
+std::array<double, 3> integrate_near(const ReferenceProfile& reference, double near_mm) {
   constexpr int rings = 256;
-  NearReference result;
   const double area = std::numbers::pi * near_mm * near_mm / rings;
-  double moment = 0, sum = 0;
+  std::array<double, 3> integral{};
   for (int i = 0; i < rings; ++i) {
     const double r = near_mm * std::sqrt((i + 0.5) / rings);
-    const Vec3 h = eval_reference(reference, r);
-    for (int c = 0; c < 3; ++c) {
-      const double value =
-          area * near_weight(r, near_mm) * std::exp(2 * static_cast<double>(component(h, c)));
-      result.integral[c] += value;
-      moment += r * value;
-      sum += value;
-    }
+    const std::array<double, 3> kernel = eval_reference_kernel(reference, r);
+    for (std::size_t c = 0; c < 3; ++c) integral[c] += area * near_weight(r, near_mm) * kernel[c];
   }
-  result.mean_mm = moment / sum;
-  return result;
-}
-
-// A^2 w over its integral, mean of the channels.
-double eval_near(const NearReference& weights, Vec3 h, double r, double near_mm) {
-  double sum = 0;
-  for (int c = 0; c < 3; ++c)
-    sum += std::exp(2 * static_cast<double>(component(h, c))) / (3 * weights.integral[c]);
-  return sum * near_weight(r, near_mm);
-}
-
-// How a radius becomes parts of the segments between a level's nodes.
-void set_segments(const Program& program, const SplatInput& input, int level) {
-  const std::array<int, 5> nodes = level_nodes(level);
-  Vec4 factor{}, offset{};
-  for (std::size_t k = 0; k < 4; ++k) {
-    const float from = input.radial.nodes[static_cast<std::size_t>(nodes[k])];
-    const float to = input.radial.nodes[static_cast<std::size_t>(nodes[k + 1])];
-    factor[k] = 1 / (to - from);
-    offset[k] = -from / (to - from);
-  }
-  set_uniform(program, "part_factor", std::vector<Vec4>{factor});
-  set_uniform(program, "part_offset", std::vector<Vec4>{offset});
+  return integral;
 }
 
 }  // namespace
@@ -185,7 +151,7 @@ ViewPyramid make_view_pyramid(const SplatCamera& camera, const RadialLevels& rad
   return pyramid;
 }
 
-SplatPrograms make_splat_programs() {
+SplatPrograms make_splat_programs(bool on_software) {
   SplatPrograms programs;
   const std::vector<std::string_view> screen{"screen_vertex.glsl"};
   programs.reduce_first = make_program(screen, {"reduce_fragment.glsl"}, {"FIRST"});
@@ -201,7 +167,8 @@ SplatPrograms make_splat_programs() {
                         std::string_view file = "splat_fragment.glsl") {
     const std::vector<std::string_view> fragment{"octahedral.glsl", file};
     defines.push_back(tiles);
-    defines.push_back(fmt::format("STEPS {}", table_steps));
+    defines.push_back(fmt::format("STEPS {}", kernel_steps));
+    if (!on_software) defines.emplace_back("DISCARD");
     SplatProgram program;
     program.squares = make_program(vertex, fragment, defines);
     defines.emplace_back("POINTS");
@@ -236,31 +203,21 @@ void draw_pyramid(const ViewPyramid& pyramid, const SplatPrograms& programs,
   check_gl("camera pyramid");
 }
 
-SplatTables make_splat_tables(const RadialLevels& radial, const ReferenceProfile& reference,
-                              const NearRadii& near, double area_mm2) {
-  const NearReference weights = integrate_near(reference, near.near_mm);
-  SplatTables tables;
-  tables.near_mm = weights.mean_mm;
-  for (int l = 0; l < radial.count; ++l) {
-    const double first = radial.first_mm(l), step = (radial.last_mm(l) - first) / table_steps;
-    std::vector<float> values;
-    for (int i = 0; i < table_steps; ++i) {
-      const double r = first + (i + 0.5) * step;
-      const Vec3 h = eval_reference(reference, r);
-      const bool is_near = l == 0 && r < near.near_mm;
-      if (is_near) tables.near_steps = i + 1;
-      const double w =
-          is_near ? area_mm2 * eval_near(weights, h, r, near.near_mm) : level_weight(radial, l, r);
-      for (const double value : {2 * std::numbers::log2e * static_cast<double>(h.x),
-                                 2 * std::numbers::log2e * static_cast<double>(h.y),
-                                 2 * std::numbers::log2e * static_cast<double>(h.z), w})
-        values.push_back(static_cast<float>(value));
+Texture make_kernel_table(const RadialLevels& radial, const ReferenceProfile& reference,
+                          double near_mm) {
+  const std::array<double, 3> integral = integrate_near(reference, near_mm);
+  const double step = radial.last_mm(0) / kernel_steps;
+  std::vector<float> values;
+  for (int i = 0; i < kernel_steps; ++i) {
+    const std::array<double, 3> kernel = eval_reference_kernel(reference, (i + 0.5) * step);
+    double k = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      values.push_back(static_cast<float>(std::log2(std::max(kernel[c], 1e-60))));
+      if (integral[c] > 0) k += kernel[c] / (3 * integral[c]);
     }
-    tables.table.push_back(
-        make_texture(TexelFormat::rgba32f, table_steps, 1, "splat table", values.data()));
-    tables.place.push_back({static_cast<float>(1 / step), static_cast<float>(-first / step)});
+    values.push_back(static_cast<float>(k));
   }
-  return tables;
+  return make_texture(TexelFormat::rgba32f, kernel_steps, 1, "splat kernel", values.data());
 }
 
 void set_level_nodes(const Program& program, const SplatInput& input, int level) {
@@ -268,8 +225,9 @@ void set_level_nodes(const Program& program, const SplatInput& input, int level)
   std::vector<Vec3> reference;
   std::vector<float> radii;
   for (const int node : nodes) {
-    radii.push_back(input.radial.nodes[static_cast<std::size_t>(node)]);
-    reference.push_back(eval_reference(input.reference, static_cast<double>(radii.back())));
+    const auto k = static_cast<std::size_t>(node);
+    radii.push_back(input.radial.nodes[k]);
+    reference.push_back(eval_reference_node(input.reference, input.radial.nodes, k));
   }
   set_uniform(program, "level_nodes", std::vector<int>(nodes.begin(), nodes.end()));
   set_uniform(program, "reference_nodes", reference);
@@ -292,29 +250,31 @@ void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, cons
   const Program& program = as_points ? of_level.points : of_level.squares;
   use(program);
   set_camera(program, camera);
-  set_level_nodes(program, input, level);
-  set_uniform(program, "source_lines", source.lines);
   set_uniform(program, "reach", static_cast<float>(reach));
-  set_uniform(program, "table_place", input.tables.place[l]);
-  set_segments(program, input, level);
-  bind_texture(program, "source_positions", 0, source.positions);
-  bind_texture(program, "source_rows", 1, source.rows);
-  bind_texture(program, "level_table", 2, input.tables.table[l]);
+  set_uniform(program, "weight_place", std::vector<Vec4>{input.radial.weight_place(level)});
+  bind_texture(program, "level_positions", 0, view.positions);
+  bind_texture(program, "source_positions", 2, source.positions);
+  bind_texture(program, "source_fit_0", 3, source.fit[0]);
+  bind_texture(program, "source_fit_1", 4, source.fit[1]);
+  bind_texture(program, "source_fit_2", 5, source.fit[2]);
   if (level == 0) {
-    bind_texture(program, "source_flux", 3, sources.flux);
-    bind_texture(program, "source_normals", 4, sources.normals);
+    bind_texture(program, "kernel", 6, input.kernel);
+    bind_texture(program, "source_flux", 7, sources.flux);
     const double near = input.near.near_mm, mean = input.near.mean_mm;
+    set_uniform(program, "kernel_steps",
+                static_cast<float>(kernel_steps / input.radial.last_mm(0)));
     set_uniform(program, "near_mm", static_cast<float>(near));
     set_uniform(program, "near_factor",
                 Vec2{static_cast<float>(1 / (near * near)), static_cast<float>(1 / (mean * mean))});
-    set_uniform(program, "near_steps", input.tables.near_steps);
     set_uniform(program, "area_mm2", static_cast<float>(sources.area_mm2));
+  } else {
+    const auto& support = input.reference.support_mm;
+    set_uniform(program, "support", Vec3{support[0], support[1], support[2]});
   }
   for (int layer = 0; layer < view.layers; ++layer) {
     bind(view.splat[static_cast<std::size_t>(layer)]);
     for (int i = 0; i < targets; ++i) clear_color(i);
-    bind_texture(program, "level_positions", 5, view.positions);
-    bind_texture(program, "tiles", 6, view.tiles[static_cast<std::size_t>(layer)]);
+    bind_texture(program, "tiles", 1, view.tiles[static_cast<std::size_t>(layer)]);
     set_uniform(
         program, "level_size",
         Vec2{static_cast<float>(view.positions.width), static_cast<float>(view.positions.height)});

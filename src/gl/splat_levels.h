@@ -62,28 +62,23 @@ struct SplatPrograms {
   SplatProgram bare_single, bare_group;  // the same squares with nothing computed, for measuring
   float largest_point = 1;               // texels
 };
-SplatPrograms make_splat_programs();
+// Devices leave out what lies beyond a splat's reach; software rasterisers are faster without.
+SplatPrograms make_splat_programs(bool on_software);
 
 // After a change of camera: what every texel stands for.
 void draw_pyramid(const ViewPyramid& pyramid, const SplatPrograms& programs,
                   const GeometryBuffer& geometry, const SplatCamera& camera);
 
-// Per level: w and the reference's logarithm over r, for splat_fragment.glsl.
-struct SplatTables {
-  std::vector<Texture> table;
-  std::vector<Vec2> place;  // factor and offset from r to the entry
-  int near_steps = 0;       // entries of level 0 within the near term
-  double near_mm = 0;       // the reference's mean radius there
-};
-// `area_mm2` of a sample.
-SplatTables make_splat_tables(const RadialLevels& radial, const ReferenceProfile& reference,
-                              const NearRadii& near, double area_mm2);
+// Over r up to the end of level 0, for splat_fragment.glsl: the reference's kernel A^2, and the
+// near term's over a plane.
+Texture make_kernel_table(const RadialLevels& radial, const ReferenceProfile& reference,
+                          double near_mm);
 
 // What all levels share.
 struct SplatInput {
   const RadialLevels& radial;
   const ReferenceProfile& reference;
-  const SplatTables& tables;
+  const Texture& kernel;
   NearRadii near;
   double max_support_mm;
 };

@@ -57,14 +57,12 @@ void SplatRenderer::Impl::set_material(const Material& next) {
   is_layered = layered.has_value();
   if (is_layered) field = std::move(*layered);
   max_support_mm = static_cast<double>(field.max_support_mm);
-  // The near term lies within the first level.
-  const double first = std::max(params.octave * std::sqrt(area_mm2),
-                                near.near_mm * std::exp2(0.5 * params.overlap - 0.5));
+  const double first = params.octave * std::sqrt(area_mm2);
   radial = make_radial_levels(first, params.overlap, max_support_mm);
   material = std::make_unique<MaterialTextures>(
       make_material_textures(is_layered ? nullptr : std::get_if<ProfileBlend>(&next), field, radial,
                              area_mm2, near.near_mm));
-  tables = make_splat_tables(radial, material->reference, near, area_mm2);
+  kernel = make_kernel_table(radial, material->reference, near.near_mm);
   const bool same_sources = same_boundary && same_grid && radial.count == old_levels;
   if (!same_sources) place_samples();
   if (!same_sources && same_boundary) put_flux();

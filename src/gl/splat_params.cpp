@@ -1,24 +1,13 @@
+#include "gl/shading.h"
 #include "gl/splat_renderer.h"
+#include "transport/irradiance.h"
 
 namespace parian {
 
 ParamList describe(SplatParams& params) {
-  return {{.name = "samples",
-           .help = "points of the surface at which light enters",
-           .target = &params.samples,
-           .min = 100,
-           .max = 4'000'000},
-          {.name = "rays",
-           .help = "per sample and environment light",
-           .target = &params.rays,
-           .min = 2,
-           .max = 65'536},
-          {.name = "antialias",
-           .help = "n x n pixels drawn per pixel",
-           .target = &params.antialias,
-           .min = 1,
-           .max = 8,
-           .symbol = "n"},
+  return {describe_samples(params.samples, 4'000'000),
+          describe_rays(params.rays),
+          describe_antialias(params.antialias),
           {.name = "octave",
            .help = "radius of the first level in spacings of the samples",
            .target = &params.octave,
@@ -42,17 +31,9 @@ ParamList describe(SplatParams& params) {
           {.name = "lights",
            .help = "how directional and point lights reach the surface: traced, or by shadow maps",
            .target = make_choice(params.lights, {"traced", "mapped"})},
-          {.name = "shadow-size",
-           .help = "texels of a shadow map's side",
-           .target = &params.shadow_size,
-           .min = 64,
-           .max = 16'384},
-          {.name = "reflection-rays",
-           .help = "per pixel drawn and environment light",
-           .target = &params.reflection_rays,
-           .min = 1,
-           .max = 1024},
-          {.name = "seed", .help = "of samples and rays", .target = &params.seed}};
+          describe_shadow_size(params.shadow_size),
+          describe_reflection_rays(params.reflection_rays),
+          describe_seed(params.seed)};
 }
 
 SplatParams make_interactive_params() {

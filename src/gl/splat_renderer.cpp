@@ -42,8 +42,16 @@ void SplatRenderer::Impl::make_programs() {
   flux_program = make_lamp_program({"fresnel.glsl", "lamp.glsl", "lamp_flux_fragment.glsl"});
   shading_programs = make_shading_programs();
   geometry_program = make_geometry_program();
-  splat_programs = make_splat_programs();
+  splat_programs = make_splat_programs(is_software(report.device));
   source_programs = make_source_programs();
+  fit_programs = make_fit_programs();
+}
+
+void SplatRenderer::Impl::make_groups() {
+  if (!groups_are_old) return;
+  group_sources(sources, source_programs);
+  fit_sources(sources, fit_programs, radial, material->reference);
+  groups_are_old = false;
 }
 
 void SplatRenderer::Impl::make_samples(const Progress& progress) {
@@ -121,13 +129,8 @@ void SplatRenderer::Impl::resolve(int level) {
   bind_texture(program, "level_sums", 4, view.sums);
   int unit = 5;
   if (level == 0) {
-    set_uniform(program, "near_r", static_cast<float>(tables.near_mm));
     bind_texture(program, "level_near", unit++, view.near);
-    if (material->is_sparse) {
-      bind_texture(program, "level_mean", unit++, view.mean);
-      bind_texture(program, "near_integral", unit++, seen.near_integral);
-    }
-    bind_texture(program, "near_count", unit++, seen.near_count);
+    if (material->is_sparse) bind_texture(program, "level_mean", unit++, view.mean);
   }
   bind_material(program, seen, unit);
   set_uniform(program, "block", view.block);
@@ -215,8 +218,7 @@ void SplatRenderer::draw(bool timed, const Progress& progress) {
     return watch.lap();
   };
   if (impl.view_is_old) impl.make_view();
-  if (impl.groups_are_old) group_sources(impl.sources, impl.source_programs);
-  impl.groups_are_old = false;
+  impl.make_groups();
   impl.report.group_s = lap();
   if (!impl.geometry_is_drawn)
     draw_geometry(impl.targets.geometry, impl.geometry_program, impl.mesh_buffers, impl.camera,
@@ -265,8 +267,7 @@ double SplatRenderer::time_bare_splats() {
 }
 
 Rgb SplatRenderer::level_flux(int level) const {
-  if (impl_->groups_are_old) group_sources(impl_->sources, impl_->source_programs);
-  impl_->groups_are_old = false;
+  impl_->make_groups();
   return total_flux(impl_->sources, level);
 }
 

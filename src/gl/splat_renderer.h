@@ -32,8 +32,8 @@ struct SplatParams {
   int samples = 50000;       // where light enters
   int rays = 128;            // per sample and environment light
   int antialias = 2;         // n x n pixels drawn per pixel
-  double octave = 3;         // radius of the first level in spacings of the samples
-  double overlap = 0.5;      // octaves within which a level gives way to the next
+  double octave = 2.5;       // radius of the first level in spacings of the samples
+  double overlap = 1;        // octaves within which a level gives way to the next
   double texel = 0.5;        // of the first level in spacings of the samples
   double group_texel = 0.3;  // of the others in spacings of their groups of samples
   LightMode lights = LightMode::traced;

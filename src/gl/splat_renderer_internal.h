@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gl/shading.h"
+#include "gl/splat_fit.h"
 #include "gl/splat_levels.h"
 #include "gl/splat_renderer.h"
 #include "mesh/ray_tracer.h"
@@ -38,6 +39,7 @@ struct SplatRenderer::Impl {
   LampProgram flux_program;
   SplatPrograms splat_programs;
   SourcePrograms source_programs;
+  FitPrograms fit_programs;
 
   // The material as samples and pixels see it. Where layers count, each has textures of its own.
   double max_support_mm = 0;
@@ -47,7 +49,7 @@ struct SplatRenderer::Impl {
   bool pixels_are_old = true;                 // of_pixels
   SampleGrid grid;                            // of the material itself
   MaterialPrograms programs, other_programs;  // those before: edits often go back and forth
-  SplatTables tables;
+  Texture kernel;
 
   Sources sources;
   std::vector<Rgb> flux;  // traced: of all lights, or of environments alone
@@ -73,13 +75,14 @@ struct SplatRenderer::Impl {
 
   void trace_flux(const std::vector<Light>& lights, const Progress& progress);
   void put_flux();
+  void make_groups();
   void make_view();
   void resolve(int level);
   ShadingInput shading_input() const {
     return {scene, camera, lit, material->boundary, material->eta, params.reflection_rays};
   }
   TexelSizes texel_sizes() const { return {std::sqrt(area_mm2), params.texel, params.group_texel}; }
-  SplatInput input() const { return {radial, material->reference, tables, near, max_support_mm}; }
+  SplatInput input() const { return {radial, material->reference, kernel, near, max_support_mm}; }
 };
 
 }  // namespace parian

@@ -58,11 +58,6 @@ double lab_curve(double t) {
   return t > d * d * d ? std::cbrt(t) : t / (3 * d * d) + 4.0 / 29;
 }
 
-double inverse_lab_curve(double f) {
-  constexpr double d = 6.0 / 29;
-  return f > d ? f * f * f : 3 * d * d * (f - 4.0 / 29);
-}
-
 // The coefficients of sum_k m_k (p_k + t q_k)^3 in t: a channel at the part t of the chroma.
 std::array<double, 4> expand_cubes(const Color& m, const Color& p, const Color& q) {
   std::array<double, 4> sum{};
@@ -106,16 +101,6 @@ Color linear_to_lab(const Color& rgb) {
   return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
 }
 
-Color lab_to_linear(const Color& lab) {
-  const double y = (lab[0] + 16) / 116, x = y + lab[1] / 500, z = y - lab[2] / 200;
-  return xyz_to_linear({white[0] * inverse_lab_curve(x), white[1] * inverse_lab_curve(y),
-                        white[2] * inverse_lab_curve(z)});
-}
-
-double delta_e76(const Color& a, const Color& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
-
 Color linear_to_oklab(const Color& rgb) {
   const Color cones = multiply(cones_from_linear, rgb);
   return multiply(oklab_from_roots,
@@ -149,10 +134,6 @@ double find_possible_chroma(const Color& oklab) {
 Color oklab_to_oklch(const Color& oklab) {
   const double chroma = std::hypot(oklab[1], oklab[2]);
   return {oklab[0], chroma, chroma > 1e-9 ? std::atan2(oklab[2], oklab[1]) : 0};
-}
-
-Color oklch_to_oklab(const Color& oklch) {
-  return {oklch[0], oklch[1] * std::cos(oklch[2]), oklch[1] * std::sin(oklch[2])};
 }
 
 }  // namespace parian

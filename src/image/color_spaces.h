@@ -12,9 +12,6 @@ using Color = std::array<double, 3>;
 Color linear_to_xyz(const Color& rgb);  // white is (0.9505, 1, 1.089)
 Color xyz_to_linear(const Color& xyz);
 Color linear_to_lab(const Color& rgb);  // white is (100, 0, 0)
-Color lab_to_linear(const Color& lab);
-// CIE 1976: the Euclidean distance.
-double delta_e76(const Color& lab_a, const Color& lab_b);
 
 Color linear_to_oklab(const Color& rgb);  // (L, a, b), white is (1, 0, 0)
 Color oklab_to_linear(const Color& oklab);
@@ -23,6 +20,5 @@ Color oklab_to_linear(const Color& oklab);
 double find_possible_chroma(const Color& oklab);
 // (L, chroma, hue in radians); hue is 0 for greys.
 Color oklab_to_oklch(const Color& oklab);
-Color oklch_to_oklab(const Color& oklch);
 
 }  // namespace parian

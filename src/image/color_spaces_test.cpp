@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/random.h"
 
@@ -11,6 +12,18 @@ namespace {
 
 void expect_near(const Color& a, const Color& b, double tolerance) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], tolerance);
+}
+
+// The inverse of linear_to_lab (CIE 15).
+Color lab_to_linear(const Color& lab) {
+  const Color white = linear_to_xyz({1, 1, 1});
+  const double y = (lab[0] + 16) / 116;
+  const Color roots{y + lab[1] / 500, y, y - lab[2] / 200};
+  Color xyz;
+  for (std::size_t i = 0; i < 3; ++i)
+    xyz[i] = white[i] *
+             (roots[i] > 6.0 / 29 ? std::pow(roots[i], 3) : 108.0 / 841 * (roots[i] - 4.0 / 29));
+  return xyz_to_linear(xyz);
 }
 
 TEST(ColorSpaces, ReferenceColours) {
@@ -27,7 +40,6 @@ TEST(ColorSpaces, ReferenceColours) {
   expect_near(linear_to_oklab(xyz_to_linear({1, 0, 0})), {0.450, 1.236, -0.019}, 1e-3);
   expect_near(linear_to_oklab(xyz_to_linear({0, 1, 0})), {0.922, -0.671, 0.263}, 1e-3);
   expect_near(linear_to_oklab(xyz_to_linear({0, 0, 1})), {0.153, -1.415, -0.449}, 1e-3);
-  EXPECT_NEAR(delta_e76({50, 1, 2}, {53, 5, 2}), 5, 1e-12);
 }
 
 TEST(ColorSpaces, RoundTripsAlsoOutsideTheGamut) {
@@ -39,7 +51,8 @@ TEST(ColorSpaces, RoundTripsAlsoOutsideTheGamut) {
     expect_near(lab_to_linear(linear_to_lab(rgb)), rgb, 1e-10);
     const Color oklab = linear_to_oklab(rgb);
     expect_near(oklab_to_linear(oklab), rgb, 1e-10);
-    expect_near(oklch_to_oklab(oklab_to_oklch(oklab)), oklab, 1e-12);
+    const Color lch = oklab_to_oklch(oklab);
+    expect_near({lch[0], lch[1] * std::cos(lch[2]), lch[1] * std::sin(lch[2])}, oklab, 1e-12);
   }
 }
 

@@ -5,8 +5,8 @@
 #include <cfloat>
 #include <string>
 
-#include "base/error.h"
 #include "base/parallel.h"
+#include "base/test_errors.h"
 #include "image/metrics.h"
 #include "judge/asymmetry.h"
 #include "judge/relight.h"
@@ -247,12 +247,7 @@ TEST(Compare, DocumentHasExactlyTheDocumentedKeys) {
 }
 
 std::string error_of(const BssrdfTable& table, const BssrdfTable& model) {
-  try {
-    compare_tables(table, model);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return parian::error_of([&] { compare_tables(table, model); });
 }
 
 TEST(Compare, NamesWhatDoesNotMatch) {

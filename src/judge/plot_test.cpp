@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "base/error.h"
+#include "base/test_errors.h"
 #include "image/color.h"
 #include "judge/canvas.h"
 #include "judge/false_color.h"
@@ -102,13 +102,10 @@ TEST(PlotProfiles, ShowsDataAndModelOfThePixel) {
   ASSERT_EQ(images.size(), 2u);
   EXPECT_GT(count_red(images[0]), 50);
   EXPECT_NE(images[0].values, plot_profiles(*t, *m, nullptr, {{4, 4}}, 0)[0].values);
-  try {
-    plot_profiles(*t, *m, nullptr, {{9, 0}}, 0);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "t.h5: pixel to plot: expected x in [0, 8], y in [0, 7], found (9, 0)");
-  }
+  EXPECT_EQ(error_of([&] {
+              plot_profiles(*t, *m, nullptr, {{9, 0}}, 0);
+            }),
+            "t.h5: pixel to plot: expected x in [0, 8], y in [0, 7], found (9, 0)");
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "base/error.h"
 #include "base/parallel.h"
+#include "base/test_errors.h"
 #include "judge/row_sums.h"
 #include "judge/test_tables.h"
 
@@ -122,13 +122,8 @@ TEST(Relight, FlatLightsHaveTheirShapes) {
 
 TEST(Relight, NamesWhatIsWrongWithALight) {
   BssrdfTable table = make_table(3, 2, 3, {{0, 0}});
-  const auto error_of = [&](const Image& light) -> std::string {
-    try {
-      relight(*make_slices(table), {light});
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
+  const auto error_of = [&](const Image& light) {
+    return parian::error_of([&] { relight(*make_slices(table), {light}); });
   };
   EXPECT_EQ(error_of(make_image(2, 2, 1)), "light 0: expected 3 x 2 pixels, found 2 x 2");
   EXPECT_EQ(error_of(make_image(3, 2, 2)), "light 0: expected 1 or 3 channels, found 2");

@@ -57,4 +57,10 @@ std::vector<Offset> half_disc_offsets(double radius) {
   return offsets;
 }
 
+std::vector<Offset> half_disc_offsets(double radius, int width, int height) {
+  std::vector<Offset> offsets = half_disc_offsets(radius);
+  std::erase_if(offsets, [&](Offset d) { return std::abs(d.dx) >= width || d.dy >= height; });
+  return offsets;
+}
+
 }  // namespace parian

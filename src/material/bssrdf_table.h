@@ -31,5 +31,7 @@ BssrdfTable read_table(const SliceSource& source);
 
 // The offsets of a disc of `radius` pixels in the half plane, by rows: (0,0), (1,0), ...
 std::vector<Offset> half_disc_offsets(double radius);
+// Those of them that fit into a grid.
+std::vector<Offset> half_disc_offsets(double radius, int width, int height);
 
 }  // namespace parian

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/error.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "material/material.h"
 #include "material/slab_diffusion.h"
 
@@ -244,12 +244,7 @@ TEST(Slab, WhatLiesBelowShows) {
 
 TEST(Slab, ErrorsSayWhatIsWrong) {
   const auto message = [](const Dipole& material) {
-    try {
-      make_reflectance_curve(material, 0);
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return error_of([&] { make_reflectance_curve(material, 0); });
   };
   EXPECT_EQ(message(make_material({0.1, 2}, DiffusionModel::classic, 1.4, 0.2)),
             "thickness_mm: expected more than one transport mean free path 1 / (sigma_a + "

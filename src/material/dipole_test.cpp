@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/error.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 
 namespace parian {
 namespace {
@@ -105,14 +105,9 @@ TEST(NamedMaterials, ArePhysical) {
 }
 
 TEST(NamedMaterials, UnknownNamesGetTheNearest) {
-  try {
-    find_named_material("Marbel");
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "material: expected the name of a measured material, found 'Marbel' (did you mean "
-                 "'Marble'?)");
-  }
+  EXPECT_EQ(error_of([&] { find_named_material("Marbel"); }),
+            "material: expected the name of a measured material, found 'Marbel' (did you mean "
+            "'Marble'?)");
 }
 
 }  // namespace

@@ -136,8 +136,8 @@ TableHeader make_header(const Grid& map) {
   header.channels = map.channels;
   header.pixel_pitch_mm = map.pixel_pitch_mm;
   const double reach = std::hypot(map.width, map.height);
-  for (Offset offset : half_disc_offsets(std::min(reach, support_of(map) / map.pixel_pitch_mm)))
-    if (std::abs(offset.dx) < map.width && offset.dy < map.height) header.offsets.push_back(offset);
+  header.offsets = half_disc_offsets(std::min(reach, support_of(map) / map.pixel_pitch_mm),
+                                     map.width, map.height);
   return header;
 }
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 
-#include "base/error.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "material/bssrdf_table.h"
 #include "material/material.h"
 
@@ -149,15 +149,6 @@ TEST(HoldOut, IsSymmetricSeededAndOfTheStatedShare) {
     }
   }
   EXPECT_NEAR(count, 2000, 5 * 40);  // binomial, 5 sigma
-}
-
-std::string error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(ProfileMap, BadMapsAreNamed) {

@@ -6,20 +6,11 @@
 #include <functional>
 #include <limits>
 
-#include "base/error.h"
+#include "base/test_errors.h"
 #include "material/bssrdf_table.h"
 
 namespace parian {
 namespace {
-
-std::string error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TableHeader make_header() {
   TableHeader header;

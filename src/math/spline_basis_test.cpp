@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "base/error.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 
 namespace parian {
 namespace {
@@ -91,6 +91,7 @@ TEST(SplineBasis, IntegralsAreExact) {
 
 std::vector<double> uniform_places(double a, double b, int count) {
   std::vector<double> places;
+  places.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) places.push_back(a + (b - a) * i / (count - 1));
   return places;
 }
@@ -148,14 +149,11 @@ TEST(FindKnots, ErrorFollowsTheAsymptoticLaw) {
 
 TEST(SplineProjection, SaysWhenPlacesAreTooFew) {
   const SplineBasis basis{1, {0, 1, 2, 3}};
-  try {
-    SplineProjection(basis, {0.2, 0.4, 2.2}, {1, 1, 1});
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "expected places that determine all 4 coefficients, found too few in some "
-                 "interval");
-  }
+  EXPECT_EQ(error_of([&] {
+              SplineProjection(basis, {0.2, 0.4, 2.2}, {1, 1, 1});
+            }),
+            "expected places that determine all 4 coefficients, found too few in some "
+            "interval");
 }
 
 }  // namespace

@@ -1,25 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
 
-#include "base/error.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "mesh/mesh.h"
 #include "mesh/shapes.h"
 
 namespace parian {
 namespace {
-
-std::string error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 std::string clean_error(TriangleMesh mesh) {
   return error_of([&] { clean_mesh(mesh, "m.ply"); });

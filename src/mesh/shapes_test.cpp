@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "base/error.h"
+#include "base/test_errors.h"
 
 namespace parian {
 namespace {
@@ -71,14 +71,9 @@ TEST(Shapes, PlaneFacesUpWithVAtTheBack) {
 }
 
 TEST(Shapes, UnknownNamesGetAHint) {
-  try {
-    make_shape("knott");
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "shape: expected 'sphere', 'box', 'slab', 'knot' or 'fin', found 'knott' (did you "
-                 "mean 'knot'?)");
-  }
+  EXPECT_EQ(error_of([&] { make_shape("knott"); }),
+            "shape: expected 'sphere', 'box', 'slab', 'knot' or 'fin', found 'knott' (did you "
+            "mean 'knot'?)");
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/error.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "material/properties.h"
 #include "mesh/ray_tracer.h"
 #include "mesh/surface_samples.h"
@@ -320,14 +320,9 @@ TEST(LayeredField, Errors) {
   scene.layers = {make_layer(make_wax())};
   scene.layers[0].material_name = "wax";
   scene.material_name = "stripes";
-  try {
-    render(scene, few_params());
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "test mesh: /layers/0/material: expected the boundary 'included' of 'stripes', "
-                 "which lies below, found 'excluded' of 'wax'");
-  }
+  EXPECT_EQ(error_of([&] { render(scene, few_params()); }),
+            "test mesh: /layers/0/material: expected the boundary 'included' of 'stripes', "
+            "which lies below, found 'excluded' of 'wax'");
   scene.layers[0] = make_layer(make_uniform_map(1, 0.5));
   scene.layers[0].range = std::nan("");
   EXPECT_THROW(render(scene, few_params()), Error);

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "base/error.h"
 #include "base/parallel.h"
+#include "base/test_errors.h"
 #include "render/test_scenes.h"
 
 namespace parian {
@@ -211,12 +211,8 @@ TEST(Refinement, ProfilesThatRiseHaveNoBrackets) {
 TEST(Refinement, ParametersOutOfRangeAreErrors) {
   RefinementParams params;
   params.tile = 0;
-  try {
-    const Refinement refinement(make_striped_scene(), params);
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(std::string(error.what()), "tile: expected a value in [1, 1024], found 0");
-  }
+  EXPECT_EQ(error_of([&] { const Refinement refinement(make_striped_scene(), params); }),
+            "tile: expected a value in [1, 1024], found 0");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "mesh/closed.h"
 #include "render/exitance_internal.h"
 #include "render/shade_internal.h"
+#include "transport/irradiance.h"
 
 namespace parian {
 namespace {
@@ -36,16 +37,8 @@ ParamList describe(RenderParams& params) {
           {.name = "shading",
            .help = "where scattered light is gathered: for each pixel, or at the vertices",
            .target = make_choice(params.shading, {"pixel", "vertex"})},
-          {.name = "samples",
-           .help = "points of the surface at which light enters",
-           .target = &params.samples,
-           .min = 100,
-           .max = 20'000'000},
-          {.name = "rays",
-           .help = "per sample and environment light",
-           .target = &params.rays,
-           .min = 2,
-           .max = 65'536},
+          describe_samples(params.samples),
+          describe_rays(params.rays),
           {.name = "antialias",
            .help = "n x n rays per pixel",
            .target = &params.antialias,
@@ -63,7 +56,7 @@ ParamList describe(RenderParams& params) {
            .target = &params.tolerance,
            .min = 0,
            .max = 1},
-          {.name = "seed", .help = "of samples and rays", .target = &params.seed}};
+          describe_seed(params.seed)};
 }
 
 RenderResult render(const Scene& scene, const RenderParams& params_, const Progress& progress,

@@ -1,7 +1,7 @@
 // What render refuses, warns of and stops at.
 #include <gtest/gtest.h>
 
-#include "base/error.h"
+#include "base/test_errors.h"
 #include "render/render.h"
 #include "render/test_scenes.h"
 
@@ -13,14 +13,9 @@ using namespace testing_scenes;
 TEST(render_errors, open_meshes_are_refused) {
   Scene scene = make_scene(make_plane(1), 20, Material(make_uniform_map(0.7, 0.8)));
   scene.camera.position = {0, 50, 50};
-  try {
-    render(scene, quick_params());
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "test mesh: faces: expected a closed surface, found 4000 of 4000 rays into the "
-                 "mesh escape (100 %): it has holes");
-  }
+  EXPECT_EQ(error_of([&] { render(scene, quick_params()); }),
+            "test mesh: faces: expected a closed surface, found 4000 of 4000 rays into the "
+            "mesh escape (100 %): it has holes");
 }
 
 TEST(render_errors, small_holes_are_a_warning) {
@@ -60,16 +55,12 @@ TEST(render_errors, memory_is_estimated_before_it_is_needed) {
   params.antialias = 16;
   const std::size_t needed = estimate_memory(scene, params);
   EXPECT_GT(needed, std::size_t{16384} * 16384 * 256 * 8);
-  try {
-    render(scene, params, {}, std::size_t{24} << 30);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind, ErrorKind::resource);
-    EXPECT_EQ(error.parts.place, "memory");
-    EXPECT_EQ(error.parts.found, "24.0 GiB");
-    EXPECT_NE(error.parts.expected.find(" GiB (fewer pixels, --samples or --antialias need less)"),
-              std::string::npos);
-  }
+  const Error error = catch_error([&] { render(scene, params, {}, std::size_t{24} << 30); });
+  EXPECT_EQ(error.kind, ErrorKind::resource);
+  EXPECT_EQ(error.parts.place, "memory");
+  EXPECT_EQ(error.parts.found, "24.0 GiB");
+  EXPECT_NE(error.parts.expected.find(" GiB (fewer pixels, --samples or --antialias need less)"),
+            std::string::npos);
 }
 
 // The estimate for a blend is that of the map that it stands for: never too low.
@@ -96,12 +87,9 @@ TEST(render_errors, stops_when_asked) {
     Progress progress;
     progress.report = [&](std::string_view name, double) { cancelled |= name == stage; };
     progress.is_cancelled = [&] { return cancelled; };
-    try {
-      render(scene, quick_params(), progress);
-      FAIL() << stage;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind, ErrorKind::cancelled);
-    }
+    EXPECT_EQ(catch_error([&] { render(scene, quick_params(), progress); }).kind,
+              ErrorKind::cancelled)
+        << stage;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "base/random.h"
+#include "mesh/test_meshes.h"
 
 namespace parian {
 namespace {
@@ -53,13 +54,6 @@ TEST(MirrorTile, StaysInsideAndIsContinuous) {
   }
 }
 
-SurfacePoint point_at(Vec3 position, Vec3 normal) {
-  SurfacePoint point;
-  point.position = position;
-  point.normal = point.geometric_normal = normalize(normal);
-  return point;
-}
-
 // Directions are orthonormal, tangent, and those along which the place in the sample grows.
 void expect_frame_fits(const Mapping& mapping, const SampleGrid& grid, const SurfacePoint& point,
                        const std::function<SurfacePoint(Vec3)>& move) {
@@ -79,23 +73,23 @@ void expect_frame_fits(const Mapping& mapping, const SampleGrid& grid, const Sur
 TEST(Mapping, BoxAlongAnAxisIsInMillimetres) {
   const SampleGrid grid{.width = 40, .height = 30, .pixel_pitch_mm = 0.5};
   Mapping mapping;
-  SamplePoint at = map_to_sample(mapping, grid, point_at({3, -2, 7}, {0, 0, 1}));
+  SamplePoint at = map_to_sample(mapping, grid, make_surface_point({3, -2, 7}, {0, 0, 1}));
   EXPECT_NEAR(at.x, 3 / 0.5 - 0.5, 1e-9);
   EXPECT_NEAR(at.y, 2 / 0.5 - 0.5, 1e-9);
   EXPECT_EQ(at.along_x, (Vec3{1, 0, 0}));
   EXPECT_EQ(at.along_y, (Vec3{0, -1, 0}));
   // Enlarged twice, half as far; mirrored on the other side of the origin.
   mapping.scale = 2;
-  at = map_to_sample(mapping, grid, point_at({-3, -2, 7}, {0, 0, 1}));
+  at = map_to_sample(mapping, grid, make_surface_point({-3, -2, 7}, {0, 0, 1}));
   EXPECT_NEAR(at.x, 3 / 0.5 / 2 - 0.5, 1e-9);
   EXPECT_EQ(at.along_x, (Vec3{-1, 0, 0}));
   mapping.offset_mm = {-3, 2};
-  at = map_to_sample(mapping, grid, point_at({-3, -2, 7}, {0, 0, 1}));
+  at = map_to_sample(mapping, grid, make_surface_point({-3, -2, 7}, {0, 0, 1}));
   EXPECT_NEAR(at.x, -0.5, 1e-9);
   EXPECT_NEAR(at.y, -0.5, 1e-9);
   // A quarter turn brings the sample's x axis to where its y axis was.
   mapping = {.rotation_deg = 90};
-  at = map_to_sample(mapping, grid, point_at({3, -2, 7}, {0, 0, 1}));
+  at = map_to_sample(mapping, grid, make_surface_point({3, -2, 7}, {0, 0, 1}));
   EXPECT_NEAR(at.x, 2 / 0.5 - 0.5, 1e-6);
   EXPECT_NEAR(distance(at.along_x, {0, -1, 0}), 0, 1e-6);
 }
@@ -108,8 +102,8 @@ TEST(Mapping, BoxFramesFollowTheSample) {
     const Mapping mapping{.scale = 0.5 + sample_uniform(rng),
                           .rotation_deg = 360 * sample_uniform(rng),
                           .offset_mm = {20 * uniform(), 20 * uniform()}};
-    const SurfacePoint point = point_at({100 * uniform(), 100 * uniform(), 100 * uniform()},
-                                        {uniform(), uniform(), uniform()});
+    const SurfacePoint point = make_surface_point(
+        {100 * uniform(), 100 * uniform(), 100 * uniform()}, {uniform(), uniform(), uniform()});
     expect_frame_fits(mapping, grid, point, [&](Vec3 by) {
       SurfacePoint moved = point;
       moved.position += by;
@@ -123,21 +117,21 @@ TEST(Mapping, UprightFacesJoinAllAround) {
   const Mapping mapping{.rotation_deg = 30, .offset_mm = {1.7f, 0.3f}};
   for (const Vec3 corner : {Vec3{4, 1, 4}, Vec3{4, 1, -4}, Vec3{-4, 1, -4}, Vec3{-4, 1, 4}}) {
     const SamplePoint a =
-        map_to_sample(mapping, grid, point_at(corner, corner * Vec3{1, 0, 1.0001f}));
+        map_to_sample(mapping, grid, make_surface_point(corner, corner * Vec3{1, 0, 1.0001f}));
     const SamplePoint b =
-        map_to_sample(mapping, grid, point_at(corner, corner * Vec3{1.0001f, 0, 1}));
+        map_to_sample(mapping, grid, make_surface_point(corner, corner * Vec3{1.0001f, 0, 1}));
     EXPECT_NEAR(a.x, b.x, 1e-9);
     EXPECT_NEAR(a.y, b.y, 1e-9);
   }
   // Ties take z.
-  const SamplePoint tie = map_to_sample({}, grid, point_at({1, -2, 4}, {1, 1, 1}));
+  const SamplePoint tie = map_to_sample({}, grid, make_surface_point({1, -2, 4}, {1, 1, 1}));
   EXPECT_NEAR(tie.x, 0.5, 1e-9);
   EXPECT_NEAR(tie.y, 1.5, 1e-9);
 }
 
 TEST(Mapping, TextureCoordinates) {
   const SampleGrid grid{.width = 40, .height = 20, .pixel_pitch_mm = 0.5};
-  SurfacePoint point = point_at({0, 0, 0}, {0, 0, 1});
+  SurfacePoint point = make_surface_point({0, 0, 0}, {0, 0, 1});
   point.texcoord = {0.25f, 0.5f};
   point.dp_du = {0, 30, 0};
   point.dp_dv = {20, 0, 0};  // left-handed

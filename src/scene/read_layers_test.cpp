@@ -1,32 +1,12 @@
 #include <gtest/gtest.h>
 
-#include <functional>
-
-#include "base/error.h"
+#include "base/test_documents.h"
+#include "base/test_errors.h"
 #include "mesh/shapes.h"
 #include "scene/read_scene.h"
 
 namespace parian {
 namespace {
-
-// The places that a parser would give.
-Document locate(Document node, const std::string& pointer = {}) {
-  node.file = std::make_shared<std::string>("s.json");
-  node.pointer = pointer;
-  if (auto* elements = std::get_if<Document::Array>(&node.value)) {
-    for (std::size_t i = 0; i < elements->size(); ++i)
-      (*elements)[i] = locate(std::move((*elements)[i]), pointer + "/" + std::to_string(i));
-  } else if (auto* members = std::get_if<Document::Object>(&node.value)) {
-    for (auto& [key, member] : *members) member = locate(std::move(member), pointer + "/" + key);
-  }
-  return node;
-}
-Document object(Document::Object members) {
-  return members;
-}
-Document array(Document::Array elements) {
-  return elements;
-}
 
 SurfaceMaterial load_material(const std::string& path) {
   if (path == "table.h5") return BssrdfTable{};
@@ -60,12 +40,7 @@ Document layer(Document::Object more = {}) {
   return node;
 }
 std::string error_of(Document layers, Document material = object({{"named", "marble"}})) {
-  try {
-    read(std::move(layers), std::move(material));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return parian::error_of([&] { read(std::move(layers), std::move(material)); });
 }
 std::string mask_error(Document mask) {
   return error_of(array({layer({{"mask", std::move(mask)}})}));

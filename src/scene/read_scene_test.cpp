@@ -3,34 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
 
-#include "base/error.h"
+#include "base/test_documents.h"
+#include "base/test_errors.h"
 #include "mesh/shapes.h"
 
 namespace parian {
 namespace {
-
-// The places that a parser would give.
-Document locate(Document node, const std::string& pointer = {}) {
-  node.file = std::make_shared<std::string>("s.json");
-  node.pointer = pointer;
-  if (auto* elements = std::get_if<Document::Array>(&node.value)) {
-    for (std::size_t i = 0; i < elements->size(); ++i)
-      (*elements)[i] = locate(std::move((*elements)[i]), pointer + "/" + std::to_string(i));
-  } else if (auto* members = std::get_if<Document::Object>(&node.value)) {
-    for (auto& [key, member] : *members) member = locate(std::move(member), pointer + "/" + key);
-  }
-  return node;
-}
-
-Document object(Document::Object members) {
-  return members;
-}
-Document array(Document::Array elements) {
-  return elements;
-}
 
 SceneLoaders loaders() {
   return {.load_mesh =
@@ -73,14 +53,6 @@ Scene read_with(const std::string& key, Document value) {
   Document document = minimal();
   set(document, key, std::move(value));
   return read(std::move(document));
-}
-std::string error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 std::string error_with(const std::string& key, Document value) {
   return error_of([&] { read_with(key, std::move(value)); });

@@ -3,11 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
 
-#include "base/error.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "mesh/shapes.h"
 
 namespace parian {
@@ -23,12 +22,7 @@ double eval(const MaskShape& shape, Vec3 position, Vec3 normal = {0, 1, 0}) {
   return eval_mask({{shape}}, {}, at_place(position, normal));
 }
 std::string error_of(const SurfaceMask& mask, const TriangleMesh& mesh = {}) {
-  try {
-    check(mask, mesh, "s.json", "/layers/0/mask");
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return parian::error_of([&] { check(mask, mesh, "s.json", "/layers/0/mask"); });
 }
 
 TEST(SurfaceMask, GradientIsSmoothBetweenItsPoints) {
@@ -160,12 +154,8 @@ TEST(SurfaceMask, ImagesAreGreyAndFinite) {
   EXPECT_EQ(at(mask, 0, 0, 0), 1);
   EXPECT_NEAR(at(mask, 1, 0, 0), 0.5f, 1e-6f);
   at(image, 1, 0, 2) = std::numeric_limits<float>::quiet_NaN();
-  try {
-    make_mask_image(image, "m.png");
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "m.png: pixel (1, 0): expected a finite weight, found nan");
-  }
+  EXPECT_EQ(parian::error_of([&] { make_mask_image(image, "m.png"); }),
+            "m.png: pixel (1, 0): expected a finite weight, found nan");
 }
 
 TEST(SurfaceMask, Errors) {

@@ -215,6 +215,26 @@ ParamList describe(IrradianceParams& params) {
           {.name = "seed", .help = "of the rays' directions", .target = &params.seed}};
 }
 
+Param describe_samples(int& samples, double most) {
+  return {.name = "samples",
+          .help = "points of the surface at which light enters",
+          .target = &samples,
+          .min = 100,
+          .max = most};
+}
+
+Param describe_rays(int& rays) {
+  return {.name = "rays",
+          .help = "per sample and environment light",
+          .target = &rays,
+          .min = 2,
+          .max = 65'536};
+}
+
+Param describe_seed(std::uint64_t& seed) {
+  return {.name = "seed", .help = "of samples and rays", .target = &seed};
+}
+
 float fresnel_transmission(float eta, float cos_theta) {
   if (!(cos_theta > 0)) return 0;
   const float cos_i = std::min(cos_theta, 1.0f);

@@ -20,6 +20,11 @@ struct IrradianceParams {
 };
 ParamList describe(IrradianceParams& params);
 
+// The parameters that all have in common which scatter the light that enters at samples.
+Param describe_samples(int& samples, double most = 20'000'000);
+Param describe_rays(int& rays);
+Param describe_seed(std::uint64_t& seed);  // of both
+
 // Fresnel transmission of unpolarised light from outside at cosine `cos_theta` into index eta.
 float fresnel_transmission(float eta, float cos_theta);
 

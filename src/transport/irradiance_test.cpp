@@ -6,10 +6,11 @@
 #include <functional>
 #include <numbers>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "mesh/shapes.h"
+#include "mesh/test_meshes.h"
 #include "scene/environment.h"
 
 namespace parian {
@@ -27,27 +28,11 @@ const RayTracer& empty_tracer() {
   return tracer;
 }
 
-SurfacePoint point_at(Vec3 position, Vec3 normal) {
-  SurfacePoint point;
-  point.position = position;
-  point.normal = point.geometric_normal = normalize(normal);
-  return point;
-}
-
 std::vector<SurfacePoint> triangle_centres(const TriangleMesh& mesh) {
   std::vector<SurfacePoint> points;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
     points.push_back(get_surface_point(mesh, i, {0.31f, 0.36f}));
   return points;
-}
-
-void append(TriangleMesh& mesh, const TriangleMesh& other, Vec3 offset) {
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  for (const Vec3& p : other.positions) mesh.positions.push_back(p + offset);
-  mesh.normals.insert(mesh.normals.end(), other.normals.begin(), other.normals.end());
-  mesh.texcoords.clear();
-  for (const auto& t : other.triangles)
-    mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
 }
 
 EnvironmentLight constant_environment(float radiance) {
@@ -121,11 +106,11 @@ TEST(Irradiance, UnderTheUpperHemisphere) {
   Rng rng = make_rng(4);
   const auto uniform = [&] { return static_cast<float>(2 * sample_uniform(rng) - 1); };
   for (int i = 0; i < 20; ++i) {
-    const SurfacePoint point = point_at({}, {uniform(), uniform(), uniform()});
+    const SurfacePoint point = make_surface_point({}, {uniform(), uniform(), uniform()});
     EXPECT_NEAR(irradiance_at(point, sky, {.rays = 8192}).y, pi * (1 + point.normal.y) / 2, 0.008)
         << point.normal.y;
   }
-  EXPECT_NEAR(irradiance_at(point_at({}, {0, -1, 0}), sky, {.rays = 8192}).y, 0, 0.001);
+  EXPECT_NEAR(irradiance_at(make_surface_point({}, {0, -1, 0}), sky, {.rays = 8192}).y, 0, 0.001);
 }
 
 TEST(Irradiance, SunDiscInAnImage) {
@@ -143,21 +128,21 @@ TEST(Irradiance, SunDiscInAnImage) {
   // The image's x, y and z are equal, so that `vector` is the vector irradiance.
   EXPECT_NEAR(dot(vector, sun), perpendicular, 0.02 * perpendicular);
   for (const Vec3 normal : {Vec3{0, 1, 0}, sun, Vec3{1, 0, 0}, Vec3{1, 1, -0.2f}}) {
-    const SurfacePoint point = point_at({}, normal);
+    const SurfacePoint point = make_surface_point({}, normal);
     const double expected = dot(vector, point.normal);
     EXPECT_NEAR(irradiance_at(point, light, {.rays = 2048}).x, expected, 0.004 * perpendicular);
   }
-  EXPECT_EQ(irradiance_at(point_at({}, -sun), light).x, 0);
+  EXPECT_EQ(irradiance_at(make_surface_point({}, -sun), light).x, 0);
 }
 
 TEST(Irradiance, DirectionalLight) {
   const Vec3 sun = normalize({1, 2, 3});
   const DirectionalLight light{.direction = sun, .irradiance = {1, 2, 4}};
-  SurfacePoint point = point_at({5, 6, 7}, {0, 1, 0});
+  SurfacePoint point = make_surface_point({5, 6, 7}, {0, 1, 0});
   EXPECT_NEAR(irradiance_at(point, light).z, 4 * sun.y, 1e-6);
   EXPECT_NEAR(irradiance_at(point, light, {}, Boundary::excluded, 1.5).y,
               2 * sun.y * (1 - fresnel_reflectance(1.5, sun.y)), 1e-5);
-  EXPECT_EQ(irradiance_at(point_at({}, {0, 0, -1}), light).x, 0);
+  EXPECT_EQ(irradiance_at(make_surface_point({}, {0, 0, -1}), light).x, 0);
   // Behind the triangle, though not behind the interpolated normal.
   point.geometric_normal = normalize({-1, -1, 0.5f});
   EXPECT_EQ(irradiance_at(point, light).x, 0);
@@ -166,19 +151,19 @@ TEST(Irradiance, DirectionalLight) {
 TEST(Irradiance, PointLightFallsWithTheSquareOfTheDistance) {
   for (const float r : {1.0f, 2.0f, 10.0f}) {
     const PointLight light{.position = Vec3{3, 4, 0} * (r / 5), .intensity = {10, 20, 30}};
-    EXPECT_NEAR(irradiance_at(point_at({}, {0, 1, 0}), light).y, 20 * 0.8 / (r * r),
+    EXPECT_NEAR(irradiance_at(make_surface_point({}, {0, 1, 0}), light).y, 20 * 0.8 / (r * r),
                 1e-4 / (r * r));
   }
   const PointLight here{.position = {}, .intensity = {1, 1, 1}};
-  EXPECT_EQ(irradiance_at(point_at({}, {0, 1, 0}), here), (Rgb{}));
+  EXPECT_EQ(irradiance_at(make_surface_point({}, {0, 1, 0}), here), (Rgb{}));
 }
 
 // A ball above a floor.
 TEST(Irradiance, OneObjectShadowsAnother) {
   TriangleMesh mesh = make_plane(20, 4);
-  append(mesh, make_sphere(4), {0, 3, 0});
+  append_mesh(mesh, make_sphere(4), {0, 3, 0});
   const RayTracer tracer(mesh);
-  const auto on_floor = [](float x) { return point_at({x, 0, 0.1f}, {0, 1, 0}); };
+  const auto on_floor = [](float x) { return make_surface_point({x, 0, 0.1f}, {0, 1, 0}); };
   const DirectionalLight sun{.direction = {0, 1, 0}};
   const PointLight above{.position = {0, 8, 0}, .intensity = {64, 64, 64}};
   const PointLight below{.position = {0, 1, 0}, .intensity = {1, 1, 1}};
@@ -198,7 +183,7 @@ TEST(Irradiance, OneObjectShadowsAnother) {
   EXPECT_GT(compute_irradiance({on_floor(0)}, {below}, tracer, Boundary::included, 1.3)[0].x, 0.9f);
   // A ball of radius 1 at distance 3, on the normal, hides sin^2 = 1/9 of pi.
   double sum = 0;
-  const std::vector<SurfacePoint> copies(200, point_at({0, 0, 0}, {0, 1, 0}));
+  const std::vector<SurfacePoint> copies(200, make_surface_point({0, 0, 0}, {0, 1, 0}));
   for (const Rgb& e :
        compute_irradiance(copies, {constant_environment(1)}, tracer, Boundary::included, 1.3))
     sum += e.y / 200;
@@ -207,7 +192,7 @@ TEST(Irradiance, OneObjectShadowsAnother) {
 
 TEST(Irradiance, DoesNotDependOnTheOrientationOfTheWorld) {
   TriangleMesh mesh = make_box({2, 0.4f, 2}, 8);
-  append(mesh, make_sphere(3), {0.3f, 2, 0.1f});
+  append_mesh(mesh, make_sphere(3), {0.3f, 2, 0.1f});
   const Frame turned = make_frame(normalize({1, -2, 0.5f}));
   const auto turn = [&](Vec3 v) { return to_world(turned, v); };
   TriangleMesh other = mesh;
@@ -237,10 +222,11 @@ TEST(Irradiance, EnvironmentsTurnWithTheWorld) {
   const auto s = static_cast<float>(std::sin(degrees * pi / 180));
   for (const Vec3 n : {Vec3{0.2f, 0.5f, 0.9f}, Vec3{-1, 0.1f, 0}, Vec3{0.3f, -0.8f, 0.4f}}) {
     const Vec3 turned{c * n.x + s * n.z, n.y, c * n.z - s * n.x};
-    const Rgb a = irradiance_at(point_at({}, n), EnvironmentLight{.image = sky}, {.rays = 8192});
+    const Rgb a =
+        irradiance_at(make_surface_point({}, n), EnvironmentLight{.image = sky}, {.rays = 8192});
     const Rgb b =
-        irradiance_at(point_at({}, turned), EnvironmentLight{.image = sky, .rotation_deg = degrees},
-                      {.rays = 8192});
+        irradiance_at(make_surface_point({}, turned),
+                      EnvironmentLight{.image = sky, .rotation_deg = degrees}, {.rays = 8192});
     EXPECT_NEAR(a.x, b.x, 0.01 * a.x);
     EXPECT_NEAR(a.z, b.z, 0.01 * a.z);
   }
@@ -255,7 +241,7 @@ TEST(Irradiance, IsUnbiasedUnderPeakedLight) {
   for (const Boundary boundary : {Boundary::included, Boundary::excluded})
     for (const Vec3 normal : {Vec3{0.1f, 1, 0.3f}, Vec3{0.7f, -0.4f, -0.5f}})
       for (const int rays : {1, 2, 7, 32}) {
-        const SurfacePoint point = point_at({}, normal);
+        const SurfacePoint point = make_surface_point({}, normal);
         const Vec3 exact = integrate(light, 12, [&](Vec3 direction) {
           const double cosine = std::max(0.0f, dot(direction, point.normal));
           const bool excluded = boundary == Boundary::excluded && cosine > 0;
@@ -279,7 +265,7 @@ TEST(Irradiance, IsUnbiasedUnderPeakedLight) {
 // Half the rays by brightness: far less noise than by the cosine alone under a small sun.
 TEST(Irradiance, NoiseUnderASkyIsSmall) {
   const EnvironmentLight sky{.image = make_sky_image()};
-  const SurfacePoint point = point_at({}, {-0.3f, 0.8f, 0.4f});
+  const SurfacePoint point = make_surface_point({}, {-0.3f, 0.8f, 0.4f});
   const double exact = integrate(sky, 2, [&](Vec3 w) {
                          return Vec3{1, 1, 1} * std::max(0.0f, dot(w, point.normal));
                        }).y;
@@ -300,15 +286,15 @@ TEST(Irradiance, TransmittedPartOfLightFromEverywhere) {
     if (eta == 1.5) {
       EXPECT_NEAR(transmitted, pi * (1 - 0.0918), 2e-3);
     }
-    const Rgb e = irradiance_at(point_at({}, {1, 2, 3}), constant_environment(1), {.rays = 16384},
-                                Boundary::excluded, eta);
+    const Rgb e = irradiance_at(make_surface_point({}, {1, 2, 3}), constant_environment(1),
+                                {.rays = 16384}, Boundary::excluded, eta);
     EXPECT_NEAR(e.y, transmitted, 0.002 * pi) << eta;
   }
 }
 
 TEST(Irradiance, IsLinearInLight) {
   TriangleMesh mesh = make_box({1, 1, 1}, 2);
-  append(mesh, make_sphere(2), {1, 1.2f, 0});
+  append_mesh(mesh, make_sphere(2), {1, 1.2f, 0});
   const RayTracer tracer(mesh);
   const auto points = triangle_centres(mesh);
   EnvironmentLight sky{.image = make_sky_image(64, 32)};
@@ -341,7 +327,7 @@ TEST(Irradiance, SameBitsForAnyNumberOfThreadsAndOtherSeedsDiffer) {
 }
 
 TEST(Irradiance, WithoutLightIsZero) {
-  const SurfacePoint point = point_at({}, {0, 1, 0});
+  const SurfacePoint point = make_surface_point({}, {0, 1, 0});
   EXPECT_EQ(irradiance_at(point, constant_environment(0)), (Rgb{}));
   EXPECT_EQ(compute_irradiance({point}, {}, empty_tracer(), Boundary::included, 1.3)[0], (Rgb{}));
   EXPECT_TRUE(
@@ -350,7 +336,7 @@ TEST(Irradiance, WithoutLightIsZero) {
 }
 
 TEST(Irradiance, ReportsAndCanBeCancelled) {
-  const std::vector<SurfacePoint> points(10000, point_at({}, {0, 1, 0}));
+  const std::vector<SurfacePoint> points(10000, make_surface_point({}, {0, 1, 0}));
   std::vector<double> done;
   Progress progress{.report = [&](std::string_view stage, double part) {
     EXPECT_EQ(stage, "irradiance");
@@ -366,21 +352,14 @@ TEST(Irradiance, ReportsAndCanBeCancelled) {
   EXPECT_EQ(done.back(), 1);
   EXPECT_TRUE(std::is_sorted(done.begin(), done.end()));
   progress.is_cancelled = [] { return true; };
-  try {
-    compute();
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind, ErrorKind::cancelled);
-  }
+  EXPECT_EQ(catch_error([&] { compute(); }).kind, ErrorKind::cancelled);
 }
 
 TEST(Irradiance, ParametersAreChecked) {
-  try {
-    irradiance_at(point_at({}, {0, 1, 0}), DirectionalLight{}, {.rays = 0});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "rays: expected a value in [1, 1048576], found 0");
-  }
+  EXPECT_EQ(error_of([&] {
+              irradiance_at(make_surface_point({}, {0, 1, 0}), DirectionalLight{}, {.rays = 0});
+            }),
+            "rays: expected a value in [1, 1048576], found 0");
 }
 
 }  // namespace

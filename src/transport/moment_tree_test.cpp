@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/error.h"
+#include "base/test_errors.h"
 #include "transport/test_surfaces.h"
 
 namespace parian {
@@ -176,14 +176,9 @@ TEST(MomentTree, RefusesBracketsForProfilesThatRise) {
   TreeGatherParams params;
   EXPECT_EQ(tree.gather(sources.points, 1, params).certified, 0u);
   params.tolerance = 0.1;
-  try {
-    tree.gather(sources.points, 1, params);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "tolerance: expected profiles that fall everywhere, without which no bracket "
-                 "holds, found a map that was fitted with --no-monotone");
-  }
+  EXPECT_EQ(error_of([&] { tree.gather(sources.points, 1, params); }),
+            "tolerance: expected profiles that fall everywhere, without which no bracket "
+            "holds, found a map that was fitted with --no-monotone");
 }
 
 }  // namespace

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 
 #include "base/check.h"
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/stopwatch.h"
 #include "mesh/closed.h"
 #include "transport/irradiance.h"
 
@@ -72,10 +72,6 @@ std::vector<SurfacePoint> make_vertex_points(const TriangleMesh& mesh) {
   return points;
 }
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 std::vector<GatherPoint> to_gather_points(const std::vector<SurfacePoint>& points) {
   std::vector<GatherPoint> out;
   out.reserve(points.size());
@@ -88,16 +84,8 @@ std::vector<GatherPoint> to_gather_points(const std::vector<SurfacePoint>& point
 
 ParamList describe(PrecomputeParams& params) {
   ParamList list{
-      {.name = "samples",
-       .help = "points of the surface at which light enters",
-       .target = &params.samples,
-       .min = 100,
-       .max = 20'000'000},
-      {.name = "rays",
-       .help = "per sample and environment light",
-       .target = &params.rays,
-       .min = 2,
-       .max = 65'536},
+      describe_samples(params.samples),
+      describe_rays(params.rays),
       {.name = "multiple-intervals",
        .help = "of the basis for R_d",
        .target = &params.multiple_intervals,
@@ -122,7 +110,7 @@ ParamList describe(PrecomputeParams& params) {
        .min = 0,
        .max = 1},
       {.name = "single", .help = "single scattering too", .target = &params.single},
-      {.name = "seed", .help = "of samples and rays", .target = &params.seed}};
+      describe_seed(params.seed)};
   for (Param& param : describe(params.single_params))
     if (param.name != "seed") list.push_back(std::move(param));
   return list;
@@ -164,14 +152,14 @@ Precompute::Precompute(const Scene& scene, const RayTracer& tracer, const Precom
   if (transport_.lights.empty()) transport_ = make_empty_transport(scene, params_);
   PARIAN_CHECK_EQ(transport_.places, scene.mesh.positions.size());
   PARIAN_CHECK_LE(transport_.lights.size(), scene.lights.size());
-  const double start = now();
+  Stopwatch watch;
   samples_ = make_surface_samples(scene.mesh, static_cast<std::size_t>(params_.samples),
                                   params_.seed, progress);
   places_ = make_vertex_points(scene.mesh);
   report_.samples = samples_.points.size();
   report_.sample_spacing_mm = samples_.spacing_mm();
   report_.escaping_fraction = check_closed(samples_, tracer, scene.mesh_name, report_.warnings);
-  report_.sampling_s = now() - start;
+  report_.sampling_s = watch.lap();
 }
 
 void Precompute::advance(const Progress& progress) {
@@ -185,12 +173,7 @@ LightTransport Precompute::compute(std::size_t index, const Light& light,
   LightTransport made;
   made.name = light_name(scene_, index);
 
-  double start = now();
-  const auto lap = [&] {
-    const double end = now(), taken = end - start;
-    start = end;
-    return taken;
-  };
+  Stopwatch watch;
   GatherSources sources;
   sources.points = to_gather_points(samples_.points);
   sources.area_mm2 = samples_.area_mm2;
@@ -200,21 +183,21 @@ LightTransport Precompute::compute(std::size_t index, const Light& light,
   sources.flux = compute_irradiance(samples_.points, {light}, tracer_, Boundary::excluded,
                                     transport_.eta, irradiance, progress);
   for (Rgb& value : sources.flux) value *= static_cast<float>(sources.area_mm2);
-  report_.irradiance_s += lap();
+  report_.irradiance_s += watch.lap();
 
   const RadialMoments moments = compute_radial_moments(
       transport_.multiple_basis, sources, to_gather_points(places_),
       default_near_mm(sources.area_mm2), {.opening = params_.opening}, progress);
   made.multiple = pack_transport(moments.value, transport_.multiple_basis.size(), 3);
   report_.nodes_per_target = moments.nodes_per_target;
-  report_.multiple_s += lap();
+  report_.multiple_s += watch.lap();
 
   if (params_.single) {
     const std::vector<float> value =
         compute_single_transport(transport_.single_basis, places_, light, scene_.mesh, tracer_,
                                  transport_.eta, params_.single_params, progress);
     made.single = pack_transport(value, transport_.single_basis.size(), single_components);
-    report_.single_s += lap();
+    report_.single_s += watch.lap();
   }
   return made;
 }

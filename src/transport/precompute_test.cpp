@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/error.h"
+#include "base/test_errors.h"
 #include "mesh/shapes.h"
 #include "transport/irradiance.h"
 
@@ -89,12 +89,8 @@ TEST(Precompute, RefusesMeshesThatAreNotClosed) {
   Scene scene = make_ball(10, {.channels = {{0.01, 1}}});
   scene.mesh.triangles.resize(scene.mesh.triangles.size() / 2);
   const RayTracer tracer(scene.mesh);
-  try {
-    const Precompute refused(scene, tracer, quick_params());
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(std::string(error.what()).find("ball: faces: expected a closed surface, found "), 0u);
-  }
+  EXPECT_THAT(error_of([&] { const Precompute refused(scene, tracer, quick_params()); }),
+              testing::StartsWith("ball: faces: expected a closed surface, found "));
   // A small hole is a warning.
   Scene holed = make_ball(10, {.channels = {{0.01, 1}}});
   holed.mesh.triangles.resize(holed.mesh.triangles.size() - 12);

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/error.h"
 #include "base/parallel.h"
+#include "base/test_errors.h"
 #include "mesh/shapes.h"
 #include "scene/environment.h"
 #include "transport/irradiance.h"
-#include "transport/single_scattering_testing.h"
+#include "transport/test_single_scattering.h"
 
 namespace parian {
 namespace {
@@ -213,20 +213,16 @@ TEST(SingleReference, SameBitsForAnyNumberOfThreads) {
 TEST(SingleReference, RefusesAndStops) {
   const Slab slab(2);
   const Light sun = DirectionalLight{};
-  try {
-    slab.look({sun}, make_medium(0, 1, 0), {0, 1, 0}, {.path_samples = 0});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "path-samples: expected a value in [8, 256], found 0");
-  }
-  try {
+  EXPECT_EQ(error_of([&] {
+              slab.look({sun}, make_medium(0, 1, 0), {0, 1, 0}, {.path_samples = 0});
+            }),
+            "path-samples: expected a value in [8, 256], found 0");
+  const auto stop = [&] {
     integrate_single_scattering({{slab.point, {0, 1, 0}}}, {sun}, slab.mesh, slab.tracer,
                                 make_medium(0, 1, 0), {},
                                 {.report = {}, .is_cancelled = [] { return true; }});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind, ErrorKind::cancelled);
-  }
+  };
+  EXPECT_EQ(catch_error(stop).kind, ErrorKind::cancelled);
   EXPECT_EQ(slab.look({sun}, make_medium(0, 1, 0), {0, -1, 0}), Rgb{});  // from behind
   EXPECT_EQ(slab.look({sun}, make_medium(1, 0, 0)), Rgb{});
   EXPECT_EQ(slab.look({}, make_medium(1, 1, 0)), Rgb{});

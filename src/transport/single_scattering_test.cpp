@@ -3,17 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <string>
 
-#include "base/error.h"
 #include "base/parallel.h"
+#include "base/test_errors.h"
 #include "mesh/shapes.h"
 #include "scene/environment.h"
 #include "transport/irradiance.h"
-#include "transport/single_scattering_testing.h"
+#include "transport/test_single_scattering.h"
 
 namespace parian {
 namespace {
@@ -279,15 +278,6 @@ TEST(SingleTransport, ResumedIsUninterrupted) {
   EXPECT_NE(stopped.value(), whole);
   resumed.advance();  // nothing left
   EXPECT_EQ(resumed.value(), whole);
-}
-
-std::string error_of(const std::function<void()>& body) {
-  try {
-    body();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(SingleTransport, RefusesWhatCannotBe) {

@@ -2,14 +2,14 @@
 #include "fuzz_case.h"
 #include "io/blend/blend_file.h"
 #include "io/blend/sections_internal.h"
-#include "io/blend/testing_internal.h"
+#include "material/test_blends.h"
 
 namespace parian::fuzz {
 namespace {
 
 std::string make_file(Case& c) {
   const int per_pixel = c.pick<int>({1, 2, 3, 8}), bases = c.pick<int>({1, 5, 300});
-  ProfileBlend blend = blend_testing::make_blend(per_pixel, bases, c.pick<int>({1, 3}));
+  ProfileBlend blend = make_blend(per_pixel, bases, c.pick<int>({1, 3}));
   const std::size_t planes = static_cast<std::size_t>(blend.channels) * blend.pixels();
   if (c.one_in(4)) blend.gain.assign(planes, 0.5f);
   if (c.one_in(4)) blend.dilation.assign(planes, 0.5f);

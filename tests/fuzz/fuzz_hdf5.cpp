@@ -11,7 +11,7 @@
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/photon_file.h"
 #include "io/hdf5/table_file.h"
-#include "io/hdf5/testing_internal.h"
+#include "io/hdf5/test_files_internal.h"
 #include "io/hdf5/transport_file.h"
 
 namespace parian::fuzz {

@@ -5,7 +5,7 @@
 #include "fuzz_case.h"
 #include "io/json/files.h"
 #include "io/mesh/mesh_file.h"
-#include "io/mesh/testing_internal.h"
+#include "io/mesh/test_files_internal.h"
 #include "mesh/shapes.h"
 
 namespace parian::fuzz {

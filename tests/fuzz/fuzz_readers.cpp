@@ -19,9 +19,9 @@
 #include "base/error.h"
 #include "fuzz_case.h"
 #include "io/array/npy_file.h"
-#include "io/hdf5/testing_internal.h"
 #include "io/image/image_file.h"
 #include "io/json/files.h"
+#include "io/json/test_folder.h"
 
 namespace parian::fuzz {
 
@@ -108,7 +108,7 @@ int main(int argc, char** argv) {
       {"table", fuzz_table}, {"map", fuzz_map},       {"transport", fuzz_transport},
       {"image", fuzz_image}, {"npy", fuzz_npy},       {"mesh", fuzz_mesh},
       {"blend", fuzz_blend}, {"recipe", fuzz_recipe}, {"photons", fuzz_photons}};
-  const hdf5::TestFolder folder("fuzz");
+  const TestFolder folder("fuzz");
   const std::string last_name = folder.path.string() + ".seed";
   const int last_case = ::open(last_name.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   std::printf("after a crash, the seed of its case is in %s\n", last_name.c_str());

@@ -1,9 +1,9 @@
 // parian compress: a table or a fitted map -> K base materials per pixel (Yatagawa et al. 2019).
 #include "compress/compress.h"
+#include "base/stopwatch.h"
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -193,7 +193,7 @@ void compress(const CompressOptions& options, const Context& context) {
   check_figures(context);
   CompressParams checked = options.params;
   check(describe(checked));
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const Source source = open_source(options, context.progress);
   const auto objective = make_blend_objective(source.map, source.table.get(),
                                               options.params.objective, context.progress);
@@ -201,8 +201,7 @@ void compress(const CompressOptions& options, const Context& context) {
   set_lattice(options, params);
   const auto [state, blend] = run_within(options, source, params, objective, context.progress);
   save_blend(options.output, blend, options.encoding);
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const double seconds = watch.seconds();
   const BlendBytes bytes = measure_blend_file(options.output);
   CompareReport errors = judge(source, blend, context.progress);
   errors.bytes_material = bytes.file;

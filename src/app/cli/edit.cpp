@@ -2,7 +2,6 @@
 // 5, 7.1).
 #include <fmt/format.h>
 
-#include <chrono>
 #include <filesystem>
 #include <memory>
 
@@ -11,6 +10,7 @@
 #include "app/cli/output.h"
 #include "app/report/provenance.h"
 #include "base/error.h"
+#include "base/stopwatch.h"
 #include "edit/retarget.h"
 #include "edit/session.h"
 #include "io/blend/blend_file.h"
@@ -68,10 +68,10 @@ std::vector<LayerFigures> run_layers(EditSession& session, const Progress& progr
   for (std::size_t i = 0; i < session.recipe.layers.size(); ++i) {
     const Layer& layer = *session.recipe.layers[i];
     if (!layer.enabled) continue;
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     evaluate(session, progress, i + 1);
     LayerFigures row{.name = layer.name, .operation = layer.kind};
-    row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    row.seconds = watch.seconds();
     const LayerResult* result = find_result(session, i);
     row.report = result->report;
     if (!result->mask->weight.empty()) {

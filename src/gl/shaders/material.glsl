@@ -4,6 +4,8 @@
 // pixel K indices, which are never filtered, and K weights (Eq. 4).
 uniform sampler2D material_support;  // mm, beyond which R_d is zero
 uniform float node_r[NODES];         // mm
+uniform sampler2D near_integral;     // ln int P w dA, w the near term's weight
+uniform sampler2D near_count;        // number of samples that carry it
 #ifdef BLEND
 uniform sampler2D base_rows;          // [base][node], then value and slope at the end of the knots
 uniform usampler2DArray blend_index;  // [k]
@@ -20,17 +22,20 @@ uniform sampler2DArray half_log_rows;  // [node]
 // At part t of the way from one node to another.
 vec3 pixel_half_log(ivec2 pixel, ivec2 nodes, float t) {
 #ifdef BLEND
+  vec2 r = vec2(node_r[nodes.x], node_r[nodes.y]);
+  bool ends = max(r.x, r.y) > blend_end;
   vec3 from = vec3(0.0), to = vec3(0.0), end = vec3(0.0), slope = vec3(0.0);
   for (int k = 0; k < BLEND; ++k) {
     int base = int(texelFetch(blend_index, ivec3(pixel, k), 0).r);
     float weight = texelFetch(blend_weight, ivec3(pixel, k), 0).r;
     from += weight * texelFetch(base_rows, ivec2(nodes.x, base), 0).rgb;
     to += weight * texelFetch(base_rows, ivec2(nodes.y, base), 0).rgb;
-    end += weight * texelFetch(base_rows, ivec2(NODES, base), 0).rgb;
-    slope += weight * texelFetch(base_rows, ivec2(NODES + 1, base), 0).rgb;
+    if (ends) {
+      end += weight * texelFetch(base_rows, ivec2(NODES, base), 0).rgb;
+      slope += weight * texelFetch(base_rows, ivec2(NODES + 1, base), 0).rgb;
+    }
   }
   slope = min(slope, vec3(blend_slope));
-  vec2 r = vec2(node_r[nodes.x], node_r[nodes.y]);
   if (r.x > blend_end) from = end + slope * (r.x - blend_end);
   if (r.y > blend_end) to = end + slope * (r.y - blend_end);
   vec3 h = mix(from, to, t);

@@ -1,5 +1,5 @@
-// Camera pyramid: for each block of pixels two that stand for what is seen in it, A near its centre
-// and B the farthest from A in space, so that a block across a silhouette has both surfaces.
+// Camera pyramid: for each block of pixels two that stand for what is seen in it, A in its middle or
+// near it and B the farthest from A in space, so that a block across a silhouette has both surfaces.
 #ifndef FIRST
 uniform usampler2D finer;
 #endif
@@ -11,7 +11,7 @@ const uint none = 65535u;
 
 void main() {
   ivec2 texel = ivec2(gl_FragCoord.xy);
-  vec2 middle = (vec2(texel) + 0.5) * float(block);
+  ivec2 middle = block * texel + block / 2;
   uvec2 candidates[8];
   int count = 0;
   for (int i = 0; i < 4; ++i) {
@@ -32,8 +32,13 @@ void main() {
   if (count == 0) return;
   uvec2 nearest = candidates[0];
   float least = 1e30;
+  if (all(lessThan(middle, textureSize(positions, 0))) &&
+      texelFetch(positions, middle, 0).w > 0.0) {
+    nearest = uvec2(middle);
+    least = 0.0;
+  }
   for (int i = 0; i < count; ++i) {
-    vec2 d = vec2(candidates[i]) + 0.5 - middle;
+    vec2 d = vec2(ivec2(candidates[i]) - middle);
     if (dot(d, d) < least) {
       least = dot(d, d);
       nearest = candidates[i];

@@ -13,11 +13,8 @@ uniform sampler2DArray level_positions;
 uniform sampler2DArray level_sums;
 #ifdef SINGLE
 uniform sampler2DArray level_near;
-uniform float near_r;             // mm: mean radius of the near term
-uniform sampler2D near_count;     // of the material's pixels: number of samples in the near term
 #ifdef MEAN
 uniform sampler2DArray level_mean;
-uniform sampler2D near_integral;  // int P w dA
 #endif
 #endif
 uniform int block;                // pixels of a texel's side
@@ -63,7 +60,7 @@ Sums interpolate(ivec2 pixel, vec3 position, vec3 normal) {
     add_texel(sums, ivec3(pixel, 0), 1.0);
     return sums;
   }
-  vec2 at = (vec2(pixel) + 0.5) / float(block) - 0.5;
+  vec2 at = vec2(pixel) / float(block) - 0.5;  // A is the pixel after the middle on both axes
   ivec2 first = ivec2(floor(at));
   vec2 part = at - vec2(first);
   float distances[8], least = 1e29, most = 0.0, total = 0.0;
@@ -119,15 +116,15 @@ void main() {
   result *= exp(log_ratio_at(corners, support, r));
 #ifdef SINGLE
   vec3 n = mix_corners(corners, near_count);
+  vec3 log_integral = mix_corners(corners, near_integral);
   vec3 limit = mix(vec3(1e30), 1.0 + 2.0 / max(n - 1.0, 1e-6), vec3(greaterThan(n, vec3(1.0))));
   vec3 scale = clamp(vec3(1.0 / max(sums.near.a, 1e-30)), 1.0 / limit, limit);
-  vec3 close = scale * sums.near.rgb * exp(log_ratio_at(corners, support, near_r));
+  vec3 close = scale * sums.near.rgb * exp(0.5 * log_integral);
 #ifdef MEAN
   vec3 u = clamp((n - 2.0) / 6.0, 0.0, 1.0);
   vec3 trust = sums.mean.a > 0.0 ? u * u * (3.0 - 2.0 * u) : vec3(1.0);
-  vec3 integral = mix_corners(corners, near_integral);
   close = mix(vec3(0.0), trust * close, greaterThan(trust, vec3(0.0))) +
-          (1.0 - trust) * integral * sums.mean.rgb / max(sums.mean.a, 1e-30);
+          (1.0 - trust) * exp(log_integral) * sums.mean.rgb / max(sums.mean.a, 1e-30);
 #endif
   result += close;
 #endif

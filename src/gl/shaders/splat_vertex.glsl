@@ -1,22 +1,22 @@
 // A splat: a square around the picture of the sphere that a source reaches at this level, drawn as a
 // point where the device has points as large (POINTS), otherwise as a strip. Its depth is the
 // sphere's nearest, so that the depth test drops surfaces in front of it.
-uniform sampler2D source_positions;
-uniform sampler2D source_rows;
+uniform sampler2D source_positions;  // packed normals in w (SINGLE)
+uniform sampler2D source_fit_0;      // fit_fragment.glsl
+uniform sampler2D source_fit_1;
+uniform sampler2D source_fit_2;
 #ifdef SINGLE
-uniform sampler2D source_flux;
-uniform sampler2D source_normals;
 uniform float near_mm;
-flat out vec3 splat_flux;
-flat out vec3 splat_normal;
 #endif
-uniform int source_lines;
-uniform int level_nodes[5];       // indices
-uniform vec3 reference_nodes[5];  // ln of the reference there
-uniform float reach;              // mm
-flat out vec3 splat_position;
-flat out vec3 splat_log;          // log2(moment / reference) at the first of them
-flat out vec3 splat_steps[4];     // from one to the next
+#ifdef MEAN
+uniform sampler2D source_flux;
+flat out vec3 splat_flux;
+#endif
+uniform float reach;  // mm
+flat out vec4 splat_position;
+flat out vec4 splat_fit_0;
+flat out vec4 splat_fit_1;
+flat out vec4 splat_fit_2;
 
 uniform sampler2D tiles;  // tiles_fragment.glsl
 uniform vec2 level_size;  // texels
@@ -47,17 +47,19 @@ void main() {
 #else
   ivec2 texel = source_texel(gl_InstanceID, width);
 #endif
-  splat_position = texelFetch(source_positions, texel, 0).xyz;
+  vec3 position = texelFetch(source_positions, texel, 0).xyz;
+  splat_position = texelFetch(source_positions, texel, 0);
+  splat_fit_0 = texelFetch(source_fit_0, texel, 0);
+  gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+  bool is_dark = splat_fit_0.r <= -1000.0;
   float radius = reach;
-  vec3 flux = vec3(1.0);
 #ifdef SINGLE
-  flux = texelFetch(source_flux, texel, 0).rgb;
-  splat_flux = flux;
-  splat_normal = texelFetch(source_normals, texel, 0).xyz;
   // A sample in the dark still counts in the near term's means.
-  if (flux == vec3(0.0)) radius = min(reach, near_mm);
+  if (is_dark) radius = min(reach, near_mm);
+#else
+  if (is_dark) return;
 #endif
-  vec3 v = to_view(splat_position);
+  vec3 v = to_view(splat_position.xyz);
   vec4 box = vec4(-1.0, -1.0, 1.0, 1.0);
   if (v.z > radius * 1.001) {
     vec2 x = sphere_extent(v.x, v.z, radius) / camera_half.x;
@@ -66,25 +68,12 @@ void main() {
   }
   float depth = v.z - radius > camera_range.x ? device_depth(v.z - radius) : -1.0;
   depth = clamp(depth, -0.99999, 1.0);
-  gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   if (v.z < -radius || !is_seen(box, 0.5 + 0.5 * depth)) return;
 
-  float most = 0.0;
-  vec3 before = vec3(0.0);
-  for (int k = 0; k < 5; ++k) {
-    vec3 value = flux * texelFetch(source_rows,
-                                   ivec2(texel.x, texel.y + level_nodes[k] * source_lines), 0).rgb;
-    most = max(most, max(value.r, max(value.g, value.b)));
-    vec3 here = log2(max(value, 1e-30)) - 1.44269504 * reference_nodes[k];
-    if (k == 0) {
-      splat_log = here;
-    } else {
-      splat_steps[k - 1] = here - before;
-    }
-    before = here;
-  }
-#ifndef SINGLE
-  if (most <= 0.0) return;
+  splat_fit_1 = texelFetch(source_fit_1, texel, 0);
+  splat_fit_2 = texelFetch(source_fit_2, texel, 0);
+#ifdef MEAN
+  splat_flux = texelFetch(source_flux, texel, 0).rgb;
 #endif
 #ifdef POINTS
   // Devices drop points whose centre lies outside, so it is that of the part inside.

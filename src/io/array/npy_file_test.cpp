@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "base/error.h"
+#include "base/test_errors.h"
 
 namespace parian {
 namespace {
@@ -24,12 +24,7 @@ std::string make_header(const std::string& descr, const std::string& shape,
   return "{'descr': '" + descr + "', 'fortran_order': " + order + ", 'shape': " + shape + ", }  \n";
 }
 std::string error_of(const std::string& bytes) {
-  try {
-    parse_npy(bytes, "a.npy");
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return parian::error_of([&] { parse_npy(bytes, "a.npy"); });
 }
 using namespace std::string_literals;
 

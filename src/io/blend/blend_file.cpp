@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <utility>
 
 #include "base/error.h"
 #include "io/blend/header_internal.h"
@@ -69,11 +70,12 @@ void read_packed_section(ByteReader& reader, const char* name, Unpack unpack) {
 
 void read_packed(ByteReader& reader, std::size_t bases, ProfileBlend& blend) {
   read_packed_section(reader, "profiles",
-                      [&](ByteReader part) { unpack_profiles(part, bases, blend); });
+                      [&](ByteReader part) { unpack_profiles(std::move(part), bases, blend); });
   read_packed_section(reader, "indices",
-                      [&](ByteReader part) { unpack_indices(part, bases, blend); });
+                      [&](ByteReader part) { unpack_indices(std::move(part), bases, blend); });
   if (blend.per_pixel > 1)
-    read_packed_section(reader, "weights", [&](ByteReader part) { unpack_weights(part, blend); });
+    read_packed_section(reader, "weights",
+                        [&](ByteReader part) { unpack_weights(std::move(part), blend); });
 }
 
 BlendHeader take_header(ByteReader& reader) {

@@ -7,24 +7,17 @@
 #include <filesystem>
 #include <functional>
 
-#include "base/error.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "io/blend/sections_internal.h"
-#include "io/blend/testing_internal.h"
 #include "io/json/files.h"
+#include "material/test_blends.h"
 
 namespace parian {
 namespace {
 
-using blend_testing::make_blend;
-
 std::string error_of(const std::string& bytes) {
-  try {
-    decode_blend(bytes, "b.kbm");
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return parian::error_of([&] { decode_blend(bytes, "b.kbm"); });
 }
 
 void expect_equal(const ProfileBlend& a, const ProfileBlend& b) {
@@ -99,14 +92,9 @@ TEST(BlendFile, GainAndDilationAreKept) {
 }
 
 TEST(BlendFile, PackedNeedsAGrid) {
-  try {
-    encode_blend(make_blend(2, 5), BlendEncoding::packed);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "the blend to write: grid: expected a step and levels, as packed files need, "
-                 "found none");
-  }
+  EXPECT_EQ(parian::error_of([&] { encode_blend(make_blend(2, 5), BlendEncoding::packed); }),
+            "the blend to write: grid: expected a step and levels, as packed files need, "
+            "found none");
 }
 
 TEST(BlendFile, EveryTruncationIsAnError) {

@@ -20,10 +20,14 @@ float distance_of(const ProfileBlend& blend, std::size_t a, std::size_t b, std::
   return sum;
 }
 
+std::size_t row_of(const ProfileBlend& blend) {
+  return static_cast<std::size_t>(blend.channels) * blend.knots_mm.size();
+}
+
 // A chain from the darkest base, always on to the nearest one left; of many bases, by brightness.
 std::vector<std::size_t> order_bases(const ProfileBlend& blend) {
   constexpr std::size_t longest_chain = 2048;
-  const std::size_t bases = blend.bases(), row = blend.base_log_profile.size() / bases;
+  const std::size_t bases = blend.bases(), row = row_of(blend);
   std::vector<std::size_t> order(bases);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -69,7 +73,7 @@ std::size_t weight_width(const ProfileBlend& blend) {
 
 ProfileBlend sort_blend(const ProfileBlend& blend) {
   const std::size_t pixels = blend.pixels(), bases = blend.bases();
-  const std::size_t row = blend.base_log_profile.size() / bases;
+  const std::size_t row = row_of(blend);
   const auto per_pixel = static_cast<std::size_t>(blend.per_pixel);
   const std::vector<std::size_t> order = order_bases(blend);
   ProfileBlend sorted = blend;

@@ -1,23 +1,18 @@
 #include "io/capture/capture_folder.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
 
-#include "base/error.h"
+#include "base/test_errors.h"
+#include "io/json/test_folder.h"
 
 namespace parian {
 namespace {
 
-namespace fs = std::filesystem;
-
-struct CaptureFolder : testing::Test {
-  CaptureFolder() { fs::create_directories(folder); }
-  ~CaptureFolder() override { fs::remove_all(folder); }
-  std::string folder = (fs::temp_directory_path() / unique_name()).string();
-  static std::string unique_name() { return "parian-capture-" + std::to_string(::getpid()); }
+struct CaptureFolder : testing::Test, TestFolder {
+  CaptureFolder() : TestFolder("capture") {}
+  std::string folder = path.string();
 };
 
 CaptureMeta make_meta(FrameFormat format) {
@@ -52,12 +47,7 @@ TEST_F(CaptureFolder, BadFramesAreNamed) {
   const FrameName frame{.role = FrameRole::white, .exposure = 1};
   const auto error_of_frame = [&](const Image& image) {
     save_frame(folder, meta, frame, image);
-    try {
-      make_frame_loader(folder, meta)(frame);
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string("no error");
+    return error_of([&] { make_frame_loader(folder, meta)(frame); });
   };
   Image image = make_image(7, 5, 1, 0.5f);
   EXPECT_EQ(error_of_frame(image), "no error");

@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "base/test_errors.h"
 #include "io/hdf5/table_file.h"
-#include "io/hdf5/testing_internal.h"
+#include "io/hdf5/test_files_internal.h"
 #include "io/json/files.h"
 
 namespace parian {
@@ -31,7 +32,7 @@ struct MapFile : testing::Test {
                map.log_profile.data());
       spoil(file);
     }
-    const std::string message = error_of([&] { load_profile_map(path); }).what();
+    const std::string message = error_of([&] { load_profile_map(path); });
     return message.starts_with(path + ": ") ? message.substr(path.size() + 2) : message;
   }
   TestFolder folder{"map"};
@@ -110,7 +111,7 @@ TEST_F(MapFile, FormatsAreToldApart) {
   EXPECT_EQ(read_format(folder.at("plain.h5")), "");
   TestFile(folder.at("number.h5")).set("format", 1);
   EXPECT_EQ(read_format(folder.at("number.h5")), "");
-  EXPECT_EQ(error_of([&] { read_format(folder.at("none")); }).what(),
+  EXPECT_EQ(error_of([&] { read_format(folder.at("none")); }),
             folder.at("none") + ": expected a readable file, found no such file");
 }
 

@@ -4,7 +4,8 @@
 
 #include <limits>
 
-#include "io/hdf5/testing_internal.h"
+#include "base/test_errors.h"
+#include "io/hdf5/test_files_internal.h"
 #include "io/json/files.h"
 
 namespace parian {
@@ -32,7 +33,7 @@ struct PhotonFiles : testing::Test {
   }
   std::string message() const {
     const PhotonSimulation fresh(make_sample(), params);
-    const std::string text = error_of([&] { load_photon_progress(path, fresh); }).what();
+    const std::string text = error_of([&] { load_photon_progress(path, fresh); });
     return text.starts_with(path + ": ") ? text.substr(path.size() + 2) : text;
   }
   // What reading says after a change of the file through HDF5.
@@ -81,7 +82,7 @@ TEST_F(PhotonFiles, RoundTripBitForBit) {
 
 TEST_F(PhotonFiles, OtherRunsAreRefused) {
   const PhotonSimulation other(make_sample(0.8), params);
-  EXPECT_EQ(std::string(error_of([&] { load_photon_progress(path, other); }).what()),
+  EXPECT_EQ(error_of([&] { load_photon_progress(path, other); }),
             path +
                 ": attribute 'fingerprint': expected that of this sample and these parameters, "
                 "found that of another");

@@ -3,9 +3,10 @@
 #include <gtest/gtest.h>
 #include <sys/mount.h>
 
+#include "base/test_errors.h"
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
-#include "io/hdf5/testing_internal.h"
+#include "io/hdf5/test_files_internal.h"
 #include "io/json/files.h"
 
 namespace parian {
@@ -20,7 +21,7 @@ struct BadTable : testing::Test {
       TestFile file = write_minimal_table(path, table);
       spoil(file);
     }
-    return strip(error_of([&] { read_table(*open_table(path)); }).what());
+    return strip(error_of([&] { read_table(*open_table(path)); }));
   }
   std::string strip(const std::string& message) const {
     return message.starts_with(path + ": ") ? message.substr(path.size() + 2) : message;
@@ -52,15 +53,15 @@ TEST_F(BadTable, GoodOneOpens) {
 }
 
 TEST_F(BadTable, NotHdf5) {
-  EXPECT_EQ(strip(error_of([&] { open_table(path); }).what()),
+  EXPECT_EQ(strip(error_of([&] { open_table(path); })),
             "expected a readable file, found no such file");
   write_text(path, "hello");
-  EXPECT_EQ(strip(error_of([&] { open_table(path); }).what()),
+  EXPECT_EQ(strip(error_of([&] { open_table(path); })),
             "expected an HDF5 file, found no HDF5 signature");
   write_text(path, "");
-  EXPECT_EQ(strip(error_of([&] { open_table(path); }).what()),
+  EXPECT_EQ(strip(error_of([&] { open_table(path); })),
             "expected an HDF5 file, found no HDF5 signature");
-  EXPECT_EQ(error_of([&] { open_table("/dev/null"); }).what(),
+  EXPECT_EQ(error_of([&] { open_table("/dev/null"); }),
             std::string("/dev/null: expected an HDF5 file, found a pipe or device"));
 }
 
@@ -68,13 +69,13 @@ TEST_F(BadTable, Truncated) {
   write_minimal_table(path, table);
   const std::string bytes = read_file(path, 1 << 20);
   write_text(path, bytes.substr(0, 1000));
-  EXPECT_EQ(strip(error_of([&] { open_table(path); }).what()),
+  EXPECT_EQ(strip(error_of([&] { open_table(path); })),
             "expected a whole HDF5 file, found a truncated or damaged one (truncated file: eof = "
             "1000, sblock->base_addr = 0, stored_eof = " +
                 std::to_string(bytes.size()) + ")");
   for (std::size_t size = 0; size < bytes.size(); size += 97) {
     write_text(path, bytes.substr(0, size));
-    EXPECT_EQ(error_of([&] { open_table(path); }).kind, ErrorKind::input);
+    EXPECT_EQ(catch_error([&] { open_table(path); }).kind, ErrorKind::input);
   }
 }
 
@@ -224,13 +225,13 @@ TEST_F(BadTable, DamagedDeflateStream) {
   ASSERT_NE(stream, std::string::npos);
   bytes.replace(stream, 8, 8, '\0');
   write_text(path, bytes);
-  EXPECT_THAT(strip(error_of([&] { read_table(*open_table(path)); }).what()),
+  EXPECT_THAT(strip(error_of([&] { read_table(*open_table(path)); })),
               testing::MatchesRegex("reflectance.[0-9].*: expected a whole deflate stream, found "
                                     "damaged data"));
 }
 
 TEST_F(BadTable, UnwritableOutput) {
-  const Error error = error_of([&] { create_table(folder.at("no/t.h5"), table.header); });
+  const Error error = catch_error([&] { create_table(folder.at("no/t.h5"), table.header); });
   EXPECT_EQ(error.what(),
             folder.at("no/t.h5") + ": expected a writable folder, found no such directory");
   EXPECT_EQ(error.kind, ErrorKind::resource);
@@ -250,7 +251,7 @@ struct FullDisk : BadTable {
   }
   void expect_full(const std::function<void()>& write) const {
     write_text(path, "old");
-    const Error error = error_of(write);
+    const Error error = catch_error(write);
     EXPECT_EQ(error.what(), path + ": expected free disk space, found a full disk");
     EXPECT_EQ(error.kind, ErrorKind::resource);
     EXPECT_EQ(read_file(path, 9), "old");
@@ -288,7 +289,7 @@ TEST_F(FullDisk, ShowsWhenNotEvenTheHeaderFits) {
     write_text(path, "old");
     fill_but(free);
     for (const int deflate : {0, 1}) {
-      const Error error = error_of([&] {
+      const Error error = catch_error([&] {
         const auto sink = create_table(path, large_header(), {.deflate = deflate});
         copy_slices(*make_slices(make_noise_table(large_header())), *sink);
       });

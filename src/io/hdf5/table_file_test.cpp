@@ -7,9 +7,10 @@
 #include <cstring>
 
 #include "base/parallel.h"
+#include "base/test_errors.h"
 #include "io/hdf5/read_internal.h"
 #include "io/hdf5/slice_layout_internal.h"
-#include "io/hdf5/testing_internal.h"
+#include "io/hdf5/test_files_internal.h"
 #include "io/json/files.h"
 
 namespace parian {
@@ -276,8 +277,8 @@ TEST(TableFile, UnfinishedTablesLeaveNothingBehind) {
       const auto sink = create_table(folder.at("t.h5"), table.header, {.deflate = deflate});
       sink->write_slice(0, 0, slice_of(table, 0, 0));
       EXPECT_EQ(folder.count(), 2u);
-      EXPECT_EQ(error_of([&] { sink->finish(); }).kind, ErrorKind::contract);
-      EXPECT_EQ(error_of([&] { sink->write_slice(0, 0, slice_of(table, 0, 0)); }).kind,
+      EXPECT_EQ(catch_error([&] { sink->finish(); }).kind, ErrorKind::contract);
+      EXPECT_EQ(catch_error([&] { sink->write_slice(0, 0, slice_of(table, 0, 0)); }).kind,
                 ErrorKind::contract);
     }
     EXPECT_EQ(folder.count(), 1u);

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "io/hdf5/testing_internal.h"
+#include "base/test_errors.h"
+#include "io/hdf5/test_files_internal.h"
 #include "io/json/files.h"
 
 namespace parian {
@@ -39,7 +40,7 @@ TransportFile make_file(int degree = 1) {
 struct TransportFiles : testing::Test {
   // What reading says of the saved file after a change of its bytes or attributes.
   std::string message() const {
-    const std::string text = error_of([&] { load_transport(path); }).what();
+    const std::string text = error_of([&] { load_transport(path); });
     return text.starts_with(path + ": ") ? text.substr(path.size() + 2) : text;
   }
   TestFolder folder{"transport"};
@@ -84,8 +85,7 @@ TEST_F(TransportFiles, UnfinishedOnesSayHowFarTheyAre) {
 TEST_F(TransportFiles, OtherScenesAreNamed) {
   const TransportFile file = make_file();
   const auto found = [&](TransportFingerprint other, bool with_parameters) {
-    return std::string(
-        error_of([&] { check_fingerprint(file, "t.h5", other, with_parameters); }).what());
+    return std::string(error_of([&] { check_fingerprint(file, "t.h5", other, with_parameters); }));
   };
   TransportFingerprint other = file.fingerprint;
   EXPECT_EQ(found(other, true), "no error");

@@ -6,36 +6,21 @@
 #include <ImfOutputFile.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
-#include <functional>
 
-#include "base/error.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 #include "io/json/files.h"
+#include "io/json/test_folder.h"
 
 namespace parian {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct ImageFiles : testing::Test {
-  ImageFiles() { fs::create_directories(folder); }
-  ~ImageFiles() override { fs::remove_all(folder); }
-  std::string at_path(const std::string& name) const { return (folder / name).string(); }
-  fs::path folder = fs::temp_directory_path() / ("parian-image-" + std::to_string(::getpid()));
+  TestFolder folder{"image"};
+  std::string at_path(const std::string& name) const { return folder.at(name); }
 };
-
-std::string error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 Image make_noise(int width, int height, int channels, float scale) {
   Image image = make_image(width, height, channels);

@@ -2,67 +2,48 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
-#include <functional>
 
-#include "base/error.h"
+#include "base/test_errors.h"
 #include "io/json/json.h"
+#include "io/json/test_folder.h"
 
 namespace parian {
 namespace {
 
-namespace fs = std::filesystem;
-
-struct Files : testing::Test {
-  Files() { fs::create_directories(folder); }
-  ~Files() override { fs::remove_all(folder); }
-  std::string at(const std::string& name) const { return (folder / name).string(); }
-  std::size_t count() const {
-    return static_cast<std::size_t>(
-        std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
-  }
-  fs::path folder = fs::temp_directory_path() / ("parian-files-" + std::to_string(::getpid()));
+struct Files : testing::Test, TestFolder {
+  Files() : TestFolder("files") {}
 };
-
-Error error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error;
-  }
-  return Error({.found = "no error"});
-}
 
 TEST_F(Files, TextRoundTrips) {
   const std::string text("a\0b\n", 4);
   write_text(at("t"), text);
   EXPECT_EQ(read_file(at("t"), 4), text);
   EXPECT_EQ(count(), 1u);
-  EXPECT_EQ(error_of([&] { read_file(at("t"), 3); }).what(),
+  EXPECT_EQ(error_of([&] { read_file(at("t"), 3); }),
             at("t") + ": expected a file of at most 3 bytes, found 4 bytes");
 }
 
 TEST_F(Files, ReadErrorsNameTheFile) {
-  EXPECT_EQ(error_of([&] { read_file(at("none"), 9); }).what(),
+  EXPECT_EQ(error_of([&] { read_file(at("none"), 9); }),
             at("none") + ": expected a readable file, found no such file");
-  EXPECT_EQ(error_of([&] { read_file(folder.string(), 9); }).what(),
-            folder.string() + ": expected a readable file, found a directory");
+  EXPECT_EQ(error_of([&] { read_file(path.string(), 9); }),
+            path.string() + ": expected a readable file, found a directory");
 }
 
 TEST_F(Files, UnwritableOutputsAreToldApart) {
-  const Error missing = error_of([&] { write_text(at("out/x.h5"), "x"); });
+  const Error missing = catch_error([&] { write_text(at("out/x.h5"), "x"); });
   EXPECT_EQ(missing.what(),
             at("out/x.h5") + ": expected a writable folder, found no such directory");
   EXPECT_EQ(missing.kind, ErrorKind::resource);
   write_text(at("file"), "x");
-  EXPECT_EQ(error_of([&] { check_writable(at("file/x")); }).what(),
+  EXPECT_EQ(error_of([&] { check_writable(at("file/x")); }),
             at("file/x") + ": expected a writable folder, found no such directory");
-  EXPECT_EQ(error_of([&] { check_writable(folder.string()); }).what(),
-            folder.string() + ": expected the name of a file to write, found a directory");
-  EXPECT_STREQ(error_of([&] { check_writable("/dev/null"); }).what(),
-               "/dev/null: expected the name of a file to write, found a device");
+  EXPECT_EQ(error_of([&] { check_writable(path.string()); }),
+            path.string() + ": expected the name of a file to write, found a directory");
+  EXPECT_EQ(error_of([&] { check_writable("/dev/null"); }),
+            "/dev/null: expected the name of a file to write, found a device");
 }
 
 TEST_F(Files, InterruptedWriteLeavesTheOldFile) {
@@ -79,17 +60,17 @@ TEST_F(Files, InterruptedWriteLeavesTheOldFile) {
 
 TEST_F(Files, TemporaryNamesAreHiddenUniqueNeighbours) {
   const std::string first = temporary_name(at("a.h5"));
-  EXPECT_EQ(fs::path(first).parent_path(), folder);
-  EXPECT_THAT(fs::path(first).filename().string(),
+  EXPECT_EQ(std::filesystem::path(first).parent_path(), path);
+  EXPECT_THAT(std::filesystem::path(first).filename().string(),
               testing::MatchesRegex("\\.a\\.h5\\.[0-9]+\\.[0-9]+\\.partial"));
   EXPECT_NE(first, temporary_name(at("a.h5")));
 }
 
 TEST_F(Files, SymbolicLinksAreFollowed) {
   write_text(at("real"), "old");
-  fs::create_symlink("real", at("link"));
+  std::filesystem::create_symlink("real", at("link"));
   write_text(at("link"), "new");
-  EXPECT_TRUE(fs::is_symlink(at("link")));
+  EXPECT_TRUE(std::filesystem::is_symlink(at("link")));
   EXPECT_EQ(read_file(at("real"), 99), "new");
 }
 

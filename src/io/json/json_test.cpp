@@ -3,22 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
 
-#include "base/error.h"
 #include "base/random.h"
+#include "base/test_errors.h"
 
 namespace parian {
 namespace {
 
 std::string error_of(const std::string& text) {
-  try {
-    parse_document(text, "a.json");
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return parian::error_of([&] { parse_document(text, "a.json"); });
 }
 
 TEST(Json, NodesKnowFileAndPointer) {

@@ -2,29 +2,25 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
-#include <functional>
 
-#include "base/error.h"
+#include "base/test_errors.h"
 #include "io/json/files.h"
-#include "io/mesh/testing_internal.h"
+#include "io/json/test_folder.h"
+#include "io/mesh/test_files_internal.h"
 #include "mesh/shapes.h"
 
 namespace parian {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace mesh_testing;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-struct MeshFile : testing::Test {
-  MeshFile() { fs::create_directories(folder); }
-  ~MeshFile() override { fs::remove_all(folder); }
-  std::string at(const std::string& name) const { return (folder / name).string(); }
+struct MeshFile : testing::Test, TestFolder {
+  MeshFile() : TestFolder("mesh") {}
   std::string put(const std::string& name, const std::string& bytes) const {
     std::ofstream(at(name), std::ios::binary) << bytes;
     return at(name);
@@ -34,16 +30,11 @@ struct MeshFile : testing::Test {
     return error_of(put(name, bytes));
   }
   static std::string error_of(const std::string& path) {
-    try {
-      load_mesh(path);
-    } catch (const Error& error) {
-      const std::string text = error.what();
-      EXPECT_THAT(text, StartsWith(path + ": "));
-      return text.substr(std::min(text.size(), path.size() + 2));
-    }
-    return "no error";
+    const std::string text = parian::error_of([&] { load_mesh(path); });
+    if (text == "no error") return text;
+    EXPECT_THAT(text, StartsWith(path + ": "));
+    return text.substr(std::min(text.size(), path.size() + 2));
   }
-  fs::path folder = fs::temp_directory_path() / ("parian-mesh-" + std::to_string(::getpid()));
 };
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -82,10 +73,10 @@ TEST_F(MeshFile, ReadsEveryKindTheSame) {
 
 TEST_F(MeshFile, GltfNodesArePlacedAndMirrored) {
   put("buffer.bin", make_gltf_buffer());
-  for (const std::string& path :
+  for (const std::string& file :
        {put("a.glb", make_glb()), put("a.gltf", make_gltf_json("buffer.bin"))}) {
     MeshReport report;
-    const TriangleMesh mesh = load_mesh(path, &report);
+    const TriangleMesh mesh = load_mesh(file, &report);
     EXPECT_EQ(mesh.triangles.size(), 8u);
     // Twice the size, 8 / 6, and its mirror image beside it, from x = -2 to -4.
     EXPECT_NEAR(enclosed_volume(mesh), 16 / 6.0, 1e-5);
@@ -226,18 +217,14 @@ TEST_F(MeshFile, GltfThatWouldHangOrOverflowIsRefused) {
             "/nodes/0: expected nodes nested at most 256 deep, found more");
   EXPECT_EQ(error_of("a.gltf", replaced(json, "\"children\": [1]", "\"children\": [2]")),
             "/nodes/0/children/0: expected the index of one of 2 nodes, found the number 2");
-  fs::remove(at("buffer.bin"));
+  std::filesystem::remove(at("buffer.bin"));
   EXPECT_THAT(error_of("a.gltf", json), StartsWith("expected a readable mesh, found "));
 }
 
 TEST_F(MeshFile, SavesPlyOnlyAndWhole) {
   const TriangleMesh mesh = make_sphere(0);
-  try {
-    save_mesh(at("a.obj"), mesh);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.what(), at("a.obj") + ": expected a file name that ends in .ply, found '.obj'");
-  }
+  EXPECT_EQ(parian::error_of([&] { save_mesh(at("a.obj"), mesh); }),
+            at("a.obj") + ": expected a file name that ends in .ply, found '.obj'");
   EXPECT_THROW(save_mesh(at("none/a.ply"), mesh), Error);
 }
 

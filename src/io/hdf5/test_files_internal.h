@@ -1,48 +1,16 @@
-// For tests and the fuzzer: HDF5 files written with the C API alone, as foreign writers do, and a
-// folder that goes away.
+// For tests and the fuzzer: HDF5 files written with the C API alone, as foreign writers do.
 #pragma once
 
-#include <unistd.h>
-
-#include <filesystem>
-#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
 
-#include "base/error.h"
 #include "base/random.h"
 #include "io/hdf5/handle_internal.h"
+#include "io/json/test_folder.h"
 #include "material/bssrdf_table.h"
 
 namespace parian::hdf5 {
-
-struct TestFolder {
-  explicit TestFolder(const std::string& name)
-      : path(std::filesystem::temp_directory_path() /
-             ("parian-" + name + "-" + std::to_string(::getpid()))) {
-    std::filesystem::create_directories(path);
-  }
-  ~TestFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  std::string at(const std::string& name) const { return (path / name).string(); }
-  std::size_t count() const {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path),
-                                                  std::filesystem::directory_iterator()));
-  }
-  std::filesystem::path path;
-};
-
-inline Error error_of(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error;
-  }
-  return Error({.found = "no error"});
-}
 
 // A file written through the C API.
 struct TestFile {

@@ -1,13 +1,13 @@
-// Small blends for tests of this folder and the fuzzer.
+// Small blends for tests and the fuzzer.
 #pragma once
 
 #include "base/random.h"
 #include "material/profile_blend.h"
 
-namespace parian::blend_testing {
+namespace parian {
 
 // 7 x 5 pixels, 4 knots, random values that pass check().
-inline ProfileBlend make_blend(int per_pixel, int bases, int channels = 3) {
+inline ProfileBlend make_blend(int per_pixel, int bases = 9, int channels = 3) {
   ProfileBlend blend;
   blend.width = 7;
   blend.height = 5;
@@ -33,4 +33,4 @@ inline ProfileBlend make_blend(int per_pixel, int bases, int channels = 3) {
   return blend;
 }
 
-}  // namespace parian::blend_testing
+}  // namespace parian

@@ -19,8 +19,7 @@ inline BssrdfTable make_test_table(int width, int height, double radius, int cha
   header.channels = channels;
   header.pixel_pitch_mm = 0.5;
   header.symmetric = symmetric;
-  for (Offset offset : half_disc_offsets(radius)) {
-    if (std::abs(offset.dx) >= width || offset.dy >= height) continue;
+  for (Offset offset : half_disc_offsets(radius, width, height)) {
     header.offsets.push_back(offset);
     if (!symmetric && offset != Offset{}) header.offsets.push_back({-offset.dx, -offset.dy});
   }
@@ -58,20 +57,6 @@ inline void remove_pairs(BssrdfTable& table, double fraction, std::uint64_t seed
         if (hash_to_uniform(hash_u64(hash_u64(seed, x), i)) < fraction)
           slice[x] = std::numeric_limits<float>::quiet_NaN();
     }
-}
-
-// Photon counts of `gain` each and normal noise of `floor`, with the noise model that says so.
-inline void add_noise(BssrdfTable& table, double gain, double floor, std::uint64_t seed) {
-  const auto channels = static_cast<std::size_t>(table.header.channels);
-  table.header.noise_gain.assign(channels, gain);
-  table.header.noise_floor.assign(channels, floor);
-  Rng rng = make_rng(seed);
-  for (float& value : table.reflectance) {
-    if (std::isnan(value)) continue;
-    double noisy = static_cast<double>(value);
-    if (gain > 0) noisy = gain * sample_poisson(rng, noisy / gain);
-    value = static_cast<float>(noisy + floor * sample_normal(rng));
-  }
 }
 
 // Knots a pixel of make_test_table apart.

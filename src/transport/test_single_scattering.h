@@ -6,17 +6,11 @@
 #include <vector>
 
 #include "base/random.h"
+#include "mesh/test_meshes.h"
 #include "transport/curve_basis.h"
 #include "transport/single_scattering.h"
 
 namespace parian {
-
-inline SurfacePoint make_surface_point(Vec3 position, Vec3 normal) {
-  SurfacePoint point;
-  point.position = position;
-  point.normal = point.geometric_normal = normalize(normal);
-  return point;
-}
 
 // `count` centres of triangles, spread over the mesh.
 inline std::vector<SurfacePoint> pick_surface_points(const TriangleMesh& mesh, std::size_t count) {
@@ -26,15 +20,6 @@ inline std::vector<SurfacePoint> pick_surface_points(const TriangleMesh& mesh, s
     points.push_back(get_surface_point(
         mesh, static_cast<std::uint32_t>(hash_u64(7, i) % mesh.triangles.size()), {0.3f, 0.4f}));
   return points;
-}
-
-inline void append_mesh(TriangleMesh& mesh, const TriangleMesh& other, Vec3 offset) {
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  for (const Vec3& p : other.positions) mesh.positions.push_back(p + offset);
-  mesh.normals.insert(mesh.normals.end(), other.normals.begin(), other.normals.end());
-  mesh.texcoords.clear();
-  for (const auto& t : other.triangles)
-    mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
 }
 
 // Coefficients of e^{-sigma_t s}.
