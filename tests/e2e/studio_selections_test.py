@@ -16,11 +16,12 @@ WIDTH, HEIGHT = 1280, 800
 
 
 def selection(state, layer=0):
-    return source(state, layer)["selection"]
+    return source(state, layer).get("selection", {})
 
 
-def until_type(studio, kind, what=None):
-    return studio.until(lambda s: s["layers"] and selection(s).get("type") == kind, what or kind)
+def until_type(studio, kind):
+    studio.until(lambda s: s["layers"] and selection(s).get("type") == kind, kind)
+    return studio.settle()  # its form is laid out
 
 
 def choose_kind(studio, kind):
@@ -104,10 +105,13 @@ def check_tree(studio):
     studio.click("add part/threshold", u=0.1)
     until_type(studio, "union")
     studio.click("part", u=0.1)
+    studio.settle()
     choose_kind(studio, "difference")
     state = until_type(studio, "difference")
     assert [part["type"] for part in selection(state)["of"]] == ["all", "threshold"]
     studio.click("part/1", u=0.1)
+    studio.until(lambda s: "param/property" in s["widgets"], "its form")
+    studio.settle()
     studio.click("param/property", u=0.2)
     studio.click("param/property/lightness", u=0.2)
     studio.until(lambda s: selection(s)["of"][1]["property"] == "lightness", "another property")
@@ -125,11 +129,14 @@ def check_tree(studio):
     studio.click("part", u=0.1)
     studio.drag("flat", [(0.1, 0.1), (0.3, 0.3)])
     studio.until(lambda s: len(selection(s)["of"]) == 3, "rectangle in the set")
+    studio.settle()
     studio.click("part/2/earlier")
     studio.until(lambda s: selection(s)["of"][1]["type"] == "rectangle", "raised part")
     for count in (2, 1):
+        studio.settle()
         studio.click("part/0/remove")
         studio.until(lambda s: len(selection(s)["of"]) == count, "fewer parts")
+    studio.settle()
     studio.click("part/0/remove")
     studio.until(lambda s: "selection" not in source(s, 0), "no selection")
     studio.key("ctrl+z")

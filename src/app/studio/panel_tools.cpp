@@ -21,8 +21,7 @@ constexpr const char* tool_help[] = {
     "Pick a profile, of this map, of the mesh, or of the second material, and inspect it. (6)",
     "Paint with the picked profile. (7)",
     "Drag a rectangle around a pattern, then click where it goes. (8)",
-    "Drag across what shall be selected; the shape's handles can be dragged too. Another shape is "
-    "chosen under Layers. (9)",
+    "Drag across what to select, or drag the handles. Other shapes: under Layers. (9)",
 };
 
 // Pictures in a square from (-1, -1) to (1, 1).
