@@ -105,6 +105,19 @@ Propagation run(const PropagationSource& source, const SelectionContext& context
   return propagate(*appearance.graph, *appearance.features, pixels, strokes, params);
 }
 
+ParamList describe_appearance(PropagationSource& source) {
+  return {{.name = "distance",
+           .help = "what makes pixels alike",
+           .target = make_choice(source.distance, distance_names)},
+          describe_state(source.uses_input)};
+}
+
+Param describe_method(PropagationSource& source) {
+  return {.name = "method",
+          .help = "sparse: a graph of the nearest in appearance; all_pairs: all pixels with some",
+          .target = make_choice_of_two(source.all_pairs, {"sparse", "all_pairs"})};
+}
+
 bool all_positive(const PropagationSource& source) {
   return std::all_of(source.strokes.begin(), source.strokes.end(),
                      [](const Stroke& stroke) { return stroke.positive; });
@@ -135,20 +148,29 @@ std::vector<std::string> propagation_keys(std::vector<std::string> own) {
 
 OperationKind::Params make_propagation_params() {
   const auto source = std::make_shared<PropagationSource>();
-  ParamList list = describe(source->sparse);
-  for (Param& param : describe(source->graph)) list.push_back(std::move(param));
+  ParamList list = describe_appearance(*source);
+  list.push_back(describe_method(*source));
+  for (const ParamList& more :
+       {describe(source->sparse), describe(source->graph), describe(source->dense)})
+    for (const Param& param : more)
+      if (std::none_of(list.begin(), list.end(),
+                       [&](const Param& known) { return known.name == param.name; }))
+        list.push_back(param);
+  return {source, std::move(list)};
+}
+
+OperationKind::Params make_similar_params() {
+  const auto source = std::make_shared<PropagationSource>();
+  ParamList list = describe_appearance(*source);
+  list.push_back(describe(source->sparse).front());  // sigma
   return {source, std::move(list)};
 }
 
 PropagationSource read_appearance(const Document& object, RecipeResources& resources) {
   PropagationSource source;
   source.settings = Document(Document::Object{});
-  if (const Document* node = find(object, "distance")) {
-    source.distance = static_cast<Distance>(read_choice(*node, distance_names));
-    set(source.settings, "distance", *node);
-  }
-  if (const Document* node = find(object, "state"))
-    source.uses_input = read_choice(*node, {"original", "current"}) == 1;
+  read_numbers(object, describe_appearance(source));
+  if (const Document* node = find(object, "distance")) set(source.settings, "distance", *node);
   if (const Document* node = find(object, "table")) {
     if (source.distance != Distance::bssrdf)
       throw_at(*node, "the key 'table' only beside the distance 'bssrdf'", "it here");
@@ -165,18 +187,10 @@ PropagationSource read_propagation(const Document& object, const Document& strok
                                    RecipeResources& resources,
                                    const std::function<void(const Document& stroke)>& read_more) {
   PropagationSource source = read_appearance(object, resources);
-  if (const Document* node = find(object, "method"))
-    source.all_pairs = read_choice(*node, {"sparse", "all_pairs"}) == 1;
-  const std::vector<std::string> others = [&] {
-    std::vector<std::string> keys;
-    keys.reserve(as_object(object).size());
-    for (const auto& member : as_object(object)) keys.push_back(member.first);
-    return keys;
-  }();
   // Keys of the other method are ignored, so that a layer can change its method.
-  read_params(object, describe(source.graph), others);
-  read_params(object, describe(source.sparse), others);
-  read_params(object, describe(source.dense), others);
+  for (const ParamList& params : {ParamList{describe_method(source)}, describe(source.graph),
+                                  describe(source.sparse), describe(source.dense)})
+    read_numbers(object, params);
   set(source.settings, "neighbours", source.graph.neighbours);
   if (as_array(strokes).empty()) throw_at(strokes, "at least one stroke", "none");
   for (const Document& node : as_array(strokes)) {

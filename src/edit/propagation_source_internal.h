@@ -44,6 +44,7 @@ PropagationSource read_propagation(const Document& object, const Document& strok
 const std::vector<std::string>& stroke_keys();
 std::vector<std::string> propagation_keys(std::vector<std::string> own = {});
 OperationKind::Params make_propagation_params();
+OperationKind::Params make_similar_params();
 
 // The features that the distance asks for, from the cache or new; with the graph where asked.
 Appearance get_appearance(const PropagationSource& source, const SelectionContext& context,

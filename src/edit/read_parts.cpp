@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "base/names.h"
@@ -66,6 +67,31 @@ std::size_t read_choice(const Document& node, const std::vector<std::string>& na
   throw_at(
       node, list_names(names),
       nearest.empty() ? "'" + name + "'" : fmt::format("'{}' (did you mean '{}'?)", name, nearest));
+}
+
+void read_numbers(const Document& object, const ParamList& params) {
+  std::vector<std::string> keys;
+  keys.reserve(as_object(object).size());
+  for (const auto& [key, member] : as_object(object)) keys.push_back(key);
+  for (const Param& param : params) {
+    const auto* choice = std::get_if<ChoiceTarget>(&param.target);
+    const Document* node = choice != nullptr ? find(object, json_key(param)) : nullptr;
+    if (node != nullptr) choice->set(static_cast<int>(read_choice(*node, choice->names)));
+  }
+  read_params(object, params, keys);
+}
+
+ChoiceTarget make_choice_of_two(bool& field, std::vector<std::string> names) {
+  return {std::move(names), [&field] { return field ? 1 : 0; },
+          [&field](int value) { field = value == 1; }};
+}
+
+Param describe_state(bool& current) {
+  return {.name = "state",
+          .help =
+              "the map that is looked at: as it was when it got its grid, or as it is before "
+              "the layer",
+          .target = make_choice_of_two(current, {"original", "current"})};
 }
 
 ProfileSource read_profile_source(const Document& node, RecipeResources& resources) {

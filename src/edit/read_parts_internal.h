@@ -39,6 +39,13 @@ double read_length(const Document& node, double min);  // finite
 // One of these strings, or an Error naming the nearest.
 std::size_t read_choice(const Document& node, const std::vector<std::string>& names);
 
+// Plain numbers of an object whose other keys are read, or checked, elsewhere.
+void read_numbers(const Document& object, const ParamList& params);
+// The names of false and true.
+ChoiceTarget make_choice_of_two(bool& field, std::vector<std::string> names);
+// "state": the map as it was when it got its grid, or as it is before the layer.
+Param describe_state(bool& current);
+
 // "from": {"map": FILE, "at": [x, y], "unit": ...}: a profile of another map, or without "map" of
 // the edited map as it was when it got its grid. Without "at" the whole map, pixel by pixel.
 struct ProfileSource {

@@ -112,8 +112,16 @@ const std::vector<std::string>& layer_keys();
 Selection read_selection(const Document& node, RecipeResources& resources);
 // Selects all.
 Selection make_whole_selection();
-// The types of selections with their own keys.
-std::vector<std::pair<std::string, std::vector<std::string>>> selection_keys();
+
+// One type of selection: its own keys, and its plain numbers for sliders.
+struct SelectionKind {
+  std::string name, summary;
+  std::vector<std::string> keys;
+  std::function<OperationKind::Params()> params;
+};
+const std::vector<SelectionKind>& selection_kinds();
+// What every selection has beside "unit": "grow", "feather", "invert".
+OperationKind::Params make_modifier_params();
 
 // Same type and value all the way down; files and places do not matter.
 bool is_same_value(const Document& a, const Document& b);

@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
 #include "edit/propagation_source_internal.h"
 #include "edit/read_parts_internal.h"
 #include "edit/selection_cache.h"
+#include "edit/selection_kinds_internal.h"
 #include "edit/session.h"
-#include "image/color_spaces.h"
 
 namespace parian {
 namespace {
@@ -65,10 +64,11 @@ Read read_ellipse(const Document& node, RecipeResources&) {
   const Unit unit = read_unit(node);
   const Point2 center = read_point(get(node, "center")), radii = read_point(get(node, "radii"));
   if (!(radii.x > 0 && radii.y > 0)) throw_at(get(node, "radii"), "two radii > 0");
-  const Document* rotation = find(node, "rotation_deg");
-  const double degrees = rotation == nullptr ? 0 : as_number(*rotation, -360, 360);
+  EllipseNumbers numbers;
+  read_numbers(node, describe(numbers));
   return make_shape(node, [=](Mask& mask, const Grid& grid) {
-    draw_ellipse(mask, to_pixels(center, unit, grid), to_pixels(radii, unit, grid), degrees);
+    draw_ellipse(mask, to_pixels(center, unit, grid), to_pixels(radii, unit, grid),
+                 numbers.rotation_deg);
   });
 }
 
@@ -88,12 +88,12 @@ Read read_polygon(const Document& node, RecipeResources&) {
 Read read_stroke(const Document& node, RecipeResources&) {
   const Unit unit = read_unit(node);
   const std::vector<Point2> points = read_points(get(node, "points"), 1);
-  const double radius = read_length(get(node, "radius"), 1e-6);
-  const Document* given = find(node, "hardness");
-  const double hardness = given == nullptr ? 0.5 : as_number(*given, 0, 1);
+  get(node, "radius");
+  BrushNumbers brush;
+  read_numbers(node, describe(brush));
   return make_shape(node, [=](Mask& mask, const Grid& grid) {
-    draw_stroke(mask, all_to_pixels(points, unit, grid), length_to_pixels(radius, unit, grid),
-                hardness);
+    draw_stroke(mask, all_to_pixels(points, unit, grid), length_to_pixels(brush.radius, unit, grid),
+                brush.hardness);
   });
 }
 
@@ -120,68 +120,33 @@ Read read_image(const Document& node, RecipeResources& resources) {
   }};
 }
 
-const std::vector<std::string> property_names{"albedo",    "range",  "mean_radius",
-                                              "lightness", "chroma", "hue_deg"};
-
-// The mean over channels for albedo and lengths; OKLCh of the albedo for the others.
-Plane make_property(const EditState& state, std::size_t property, int channel) {
-  const std::size_t pixels = state.pixels();
-  Plane values(pixels, 0.0);
-  if (property >= 3) {
-    const Plane albedo = albedo_plane(state);
-    for (std::size_t i = 0; i < pixels; ++i) {
-      Color rgb;
-      for (std::size_t c = 0; c < 3; ++c)
-        rgb[c] = albedo[(state.channels == 3 ? c : 0) * pixels + i];
-      const Color lch = oklab_to_oklch(linear_to_oklab(rgb));
-      const double degrees = lch[2] * 180 / std::numbers::pi;
-      values[i] = property == 3 ? lch[0] : property == 4 ? lch[1] : std::fmod(degrees + 360, 360.0);
-    }
-    return values;
-  }
-  const Plane plane = property == 0   ? albedo_plane(state)
-                      : property == 1 ? range_plane(state)
-                                      : mean_radius_plane(state);
-  const int first = channel < 0 ? 0 : channel, end = channel < 0 ? state.channels : channel + 1;
-  for (int c = first; c < end; ++c)
-    for (std::size_t i = 0; i < pixels; ++i)
-      values[i] += plane[static_cast<std::size_t>(c) * pixels + i] / (end - first);
-  return values;
-}
-
 Read read_threshold(const Document& node, RecipeResources&) {
-  const std::size_t property = read_choice(get(node, "property"), property_names);
-  const auto number = [&](const char* key, double otherwise) {
-    const Document* member = find(node, key);
-    return member == nullptr ? otherwise : as_number(*member, -1e9, 1e9);
-  };
-  const double low = number("low", -1e9), high = number("high", 1e9),
-               softness = number("softness", 0);
+  get(node, "property");
+  ThresholdNumbers numbers;
+  read_numbers(node, describe(numbers));
   if (find(node, "low") == nullptr && find(node, "high") == nullptr)
     throw_at(node, "the key 'low', 'high' or both", "neither");
-  if (!(low <= high)) throw_at(get(node, "high"), "a number >= 'low'");
-  if (!(softness >= 0)) throw_at(get(node, "softness"), "a number >= 0");
+  if (!(numbers.low <= numbers.high)) throw_at(get(node, "high"), "a number >= 'low'");
   const Document* given = find(node, "channel");
   const int channel = given == nullptr ? -1 : as_int(*given, 0, 2);
-  const Document* state = find(node, "state");
-  const bool current = state != nullptr && read_choice(*state, {"original", "current"}) == 1;
   return {[=](const SelectionContext& context) {
-            const EditState& from = current ? context.input : context.frame;
+            const EditState& from = numbers.current ? context.input : context.frame;
             if (channel >= from.channels)
               throw_at(node, fmt::format("a channel below {}", from.channels),
                        fmt::format("{}", channel));
-            return threshold(make_property(from, property, channel).data(), from.width, from.height,
-                             low, high, softness);
+            const Plane values = eval_selection_property(from, numbers.property, channel);
+            return threshold(values.data(), from.width, from.height, numbers.low, numbers.high,
+                             numbers.softness);
           },
-          current};
+          numbers.current};
 }
 
 Read read_similar(const Document& node, RecipeResources& resources) {
-  const PropagationSource source = read_appearance(node, resources);
+  PropagationSource source = read_appearance(node, resources);
+  read_numbers(node, {describe(source.sparse).front()});  // sigma
   const Unit unit = read_unit(node);
   const Point2 at = read_point(get(node, "at"));
-  const Document* given = find(node, "sigma");
-  const double sigma = given == nullptr ? 0.2 : as_number(*given, 1e-6, 1e6);
+  const double sigma = source.sparse.sigma;
   return {[=, place = get(node, "at")](const SelectionContext& context) {
             const std::uint32_t picked = pixel_at(at, unit, grid_of(context.frame), place);
             const Appearance appearance = get_appearance(source, context, false);
@@ -224,43 +189,62 @@ Read read_set(const Document& node, RecipeResources& resources) {
           uses_input};
 }
 
-struct SelectionKind {
-  std::string name;
-  std::vector<std::string> keys;
+// A kind with how it is read.
+struct Reader {
+  SelectionKind kind;
   Read (*read)(const Document&, RecipeResources&);
 };
 
-const std::vector<SelectionKind>& selection_kinds() {
-  static const std::vector<SelectionKind> kinds{
-      {"all", {}, read_all},
-      {"rectangle", {"min", "max", "unit"}, read_rectangle},
-      {"ellipse", {"center", "radii", "rotation_deg", "unit"}, read_ellipse},
-      {"polygon", {"points", "unit"}, read_polygon},
-      {"stroke", {"points", "radius", "hardness", "unit"}, read_stroke},
-      {"gradient", {"from", "to", "unit"}, read_gradient},
-      {"image", {"file"}, read_image},
-      {"threshold", {"property", "channel", "low", "high", "softness", "state"}, read_threshold},
-      {"similar", appearance_keys({"at", "unit", "sigma"}), read_similar},
-      {"propagate", propagation_keys({"strokes"}), read_propagate},
-      {"union", {"of"}, read_set<unite>},
-      {"intersection", {"of"}, read_set<intersect>},
-      {"difference", {"of"}, read_set<subtract>},
+OperationKind::Params no_params() {
+  return {};
+}
+
+template <typename Numbers>
+OperationKind::Params make_params() {
+  const auto numbers = std::make_shared<Numbers>();
+  return {numbers, describe(*numbers)};
+}
+
+const std::vector<Reader>& readers() {
+  static const std::vector<Reader> kinds{
+      {{"all", "everything", {}, no_params}, read_all},
+      {{"rectangle", "upright", {"min", "max", "unit"}, no_params}, read_rectangle},
+      {{"ellipse",
+        "with two radii, turned",
+        {"center", "radii", "rotation_deg", "unit"},
+        make_params<EllipseNumbers>},
+       read_ellipse},
+      {{"polygon", "inside a closed line", {"points", "unit"}, no_params}, read_polygon},
+      {{"stroke",
+        "a brush along a line",
+        {"points", "radius", "hardness", "unit"},
+        make_params<BrushNumbers>},
+       read_stroke},
+      {{"gradient", "from 0 at one place to 1 at another", {"from", "to", "unit"}, no_params},
+       read_gradient},
+      {{"image", "a picture of the map's size: white is selected", {"file"}, no_params},
+       read_image},
+      {{"threshold",
+        "pixels of which a property lies within bounds",
+        {"property", "channel", "low", "high", "softness", "state"},
+        make_params<ThresholdNumbers>},
+       read_threshold},
+      {{"similar", "pixels that look like one", appearance_keys({"at", "unit", "sigma"}),
+        make_similar_params},
+       read_similar},
+      {{"propagate", "strokes spread over like-looking pixels", propagation_keys({"strokes"}),
+        make_propagation_params},
+       read_propagate},
+      {{"union", "the largest of several", {"of"}, no_params}, read_set<unite>},
+      {{"intersection", "the smallest of several", {"of"}, no_params}, read_set<intersect>},
+      {{"difference", "the first less all others", {"of"}, no_params}, read_set<subtract>},
   };
   return kinds;
 }
 
-// Applied in this order.
-struct Modifiers {
-  double grow = 0, feather = 0;
-  Unit unit = Unit::mm;
-  bool invert = false;
-};
-
-Mask modify(Mask mask, const Modifiers& modifiers, const Grid& grid) {
-  if (modifiers.grow != 0)
-    mask = grow(mask, length_to_pixels(modifiers.grow, modifiers.unit, grid));
-  if (modifiers.feather > 0)
-    mask = feather(mask, length_to_pixels(modifiers.feather, modifiers.unit, grid));
+Mask modify(Mask mask, const Modifiers& modifiers, Unit unit, const Grid& grid) {
+  if (modifiers.grow != 0) mask = grow(mask, length_to_pixels(modifiers.grow, unit, grid));
+  if (modifiers.feather > 0) mask = feather(mask, length_to_pixels(modifiers.feather, unit, grid));
   return modifiers.invert ? invert(std::move(mask)) : mask;
 }
 
@@ -289,31 +273,35 @@ Selection make_whole_selection() {
   }};
 }
 
-std::vector<std::pair<std::string, std::vector<std::string>>> selection_keys() {
-  std::vector<std::pair<std::string, std::vector<std::string>>> keys;
-  keys.reserve(selection_kinds().size());
-  for (const SelectionKind& kind : selection_kinds()) keys.emplace_back(kind.name, kind.keys);
-  return keys;
+const std::vector<SelectionKind>& selection_kinds() {
+  static const std::vector<SelectionKind> kinds = [] {
+    std::vector<SelectionKind> all;
+    all.reserve(readers().size());
+    for (const Reader& reader : readers()) all.push_back(reader.kind);
+    return all;
+  }();
+  return kinds;
+}
+
+OperationKind::Params make_modifier_params() {
+  return make_params<Modifiers>();
 }
 
 Selection read_selection(const Document& node, RecipeResources& resources) {
   std::vector<std::string> names;
-  names.reserve(selection_kinds().size());
-  for (const SelectionKind& kind : selection_kinds()) names.push_back(kind.name);
+  names.reserve(readers().size());
+  for (const Reader& reader : readers()) names.push_back(reader.kind.name);
   as_object(node);
-  const SelectionKind& kind = selection_kinds()[read_choice(get(node, "type"), names)];
-  std::vector<std::string> known = kind.keys;
+  const Reader& reader = readers()[read_choice(get(node, "type"), names)];
+  std::vector<std::string> known = reader.kind.keys;
   for (const char* key : {"type", "grow", "feather", "invert", "unit"}) known.emplace_back(key);
   check_keys(node, known);
+  const Unit unit = read_unit(node);
   Modifiers modifiers;
-  modifiers.unit = read_unit(node);
-  if (const Document* member = find(node, "grow"))
-    modifiers.grow = read_length(*member, -max_edit_length_mm);
-  if (const Document* member = find(node, "feather")) modifiers.feather = read_length(*member, 0);
-  if (const Document* member = find(node, "invert")) modifiers.invert = as_bool(*member);
-  const Read read = kind.read(node, resources);
-  const Make make = [read, modifiers](const SelectionContext& context) {
-    return modify(read.make(context), modifiers, grid_of(context.frame));
+  read_numbers(node, describe(modifiers));
+  const Read read = reader.read(node, resources);
+  const Make make = [read, modifiers, unit](const SelectionContext& context) {
+    return modify(read.make(context), modifiers, unit, grid_of(context.frame));
   };
   return {node, read.uses_input, remember(node, make, read.uses_input)};
 }

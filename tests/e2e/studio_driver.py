@@ -7,9 +7,15 @@ taken in: each step waits for that, never for time to pass.
 
 import json
 import os
+import pathlib
+import shutil
 import signal
 import subprocess
+import sys
+import tempfile
 import time
+
+from xdnd import drop_files
 
 TIMEOUT = 120
 
@@ -159,6 +165,10 @@ class Studio:
         if held:
             self.xdotool("keyup", held)
 
+    def drop(self, *paths):
+        """Files from another program, dropped on the 3-D view all at once."""
+        drop_files(self.env["DISPLAY"], int(self.window), paths, *self.place("view"))
+
     def leave_widgets(self):
         """Where nothing is under the mouse."""
         self.move(3, self.state()["input"]["height"] - 3)
@@ -198,3 +208,21 @@ class Studio:
         (made,) = set(self.folder.glob("parian-*.png")) - before
         assert made.stat().st_size > 5000, f"{name}: {made.stat().st_size} bytes"
         made.rename(self.folder / f"studio-{name}.png")
+
+
+def run_sessions(run, width, height):
+    """Calls run(program, source_dir, display, folder) as `TEST PARIAN SOURCE_DIR [--keep FOLDER]`
+    says; screenshots stay in FOLDER."""
+    program, source_dir = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+    keep = pathlib.Path(sys.argv[4]) if sys.argv[3:4] == ["--keep"] else None
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        display = Display(width, height)
+        try:
+            run(program, source_dir, display, folder)
+        finally:
+            display.stop()
+            if keep is not None:
+                keep.mkdir(parents=True, exist_ok=True)
+                for path in folder.glob("studio-*.png"):
+                    shutil.copy(path, keep)

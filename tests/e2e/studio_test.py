@@ -10,15 +10,11 @@ opened, changed, saved and rendered by the command line. With --keep screenshots
 
 import json
 import math
-import pathlib
-import shutil
 import subprocess
-import sys
-import tempfile
 import time
 
 from png import mean_difference
-from studio_driver import TIMEOUT, Display, Studio
+from studio_driver import TIMEOUT, Studio, run_sessions
 
 WIDTH, HEIGHT = 1280, 720
 
@@ -178,8 +174,8 @@ def check_layers(studio):
     count_layers(studio, 4, "removed filter")
     # What needs something first says so.
     studio.click("add layer")
-    studio.click("add layer/interpolate", u=0.1)
-    studio.message("scribble first")
+    studio.click("add layer/hallucinate", u=0.1)
+    studio.message("Material from photograph")
     for layer in (2, 1):
         studio.click(f"layer/{layer}/remove")
         count_layers(studio, layer + 1, "fewer layers")
@@ -507,25 +503,17 @@ def fourth_session(program, display, source_dir, folder, figures):
 
 
 def main():
-    program, source_dir = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-    keep = pathlib.Path(sys.argv[4]) if sys.argv[3:4] == ["--keep"] else None
     figures = {}
     started = time.monotonic()
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        display = Display(WIDTH, HEIGHT)
-        try:
-            first_session(program, display, folder, figures)
-            second_session(program, display, folder)
-            third_session(program, display, folder)
-            fourth_session(program, display, source_dir, folder, figures)
-            check_recipe(program, source_dir, folder)
-        finally:
-            display.stop()
-            if keep is not None:
-                keep.mkdir(parents=True, exist_ok=True)
-                for path in folder.glob("studio-*.png"):
-                    shutil.copy(path, keep)
+
+    def run(program, source_dir, display, folder):
+        first_session(program, display, folder, figures)
+        second_session(program, display, folder)
+        third_session(program, display, folder)
+        fourth_session(program, display, source_dir, folder, figures)
+        check_recipe(program, source_dir, folder)
+
+    run_sessions(run, WIDTH, HEIGHT)
     figures["seconds"] = time.monotonic() - started
     for name, value in figures.items():
         print(f"{name}: {value:.3g}")

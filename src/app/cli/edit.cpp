@@ -200,8 +200,8 @@ void list_operations() {
     if (!others.empty()) text += "  and " + join(others) + "\n";
   }
   text += "\nselections, each with grow, feather, invert, unit\n";
-  for (const auto& [name, keys] : selection_keys())
-    text += fmt::format("  {}{}{}\n", name, keys.empty() ? "" : ": ", join(keys));
+  for (const SelectionKind& kind : selection_kinds())
+    text += fmt::format("  {}{}{}\n", kind.name, kind.keys.empty() ? "" : ": ", join(kind.keys));
   print_summary({}, text);
 }
 

@@ -170,6 +170,7 @@ void show_map(Studio& studio, const ProfileMap& map, const std::string& path,
   studio.saved_version = studio.snapshot->version;
   studio.original = std::make_shared<const Material>(map);
   studio.table = std::move(table);
+  studio.measured_at = {-1, -1, -1};
   studio.material_path = path;
   studio.is_homogeneous = false;
   studio.selected_layer.reset();

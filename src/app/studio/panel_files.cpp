@@ -22,6 +22,8 @@ const char* action_name(FileDialog::Action action) {
       return "Material over this one";
     case FileDialog::Action::open_photograph:
       return "Material from photograph";
+    case FileDialog::Action::choose:
+      return "Choose";
     case FileDialog::Action::save_recipe:
       return "Save recipe";
     case FileDialog::Action::save_scene:
@@ -36,7 +38,7 @@ const char* action_name(FileDialog::Action action) {
 }
 
 bool is_opening(FileDialog::Action action) {
-  return action <= FileDialog::Action::open_photograph;
+  return action <= FileDialog::Action::choose;
 }
 
 void finish_dialog(Ui& ui) {
@@ -50,6 +52,8 @@ void finish_dialog(Ui& ui) {
       return open_second(studio, path);
     case FileDialog::Action::open_layer:
       return open_layer(studio, path);
+    case FileDialog::Action::choose:
+      return ui.dialog.then(ui, path);
     case FileDialog::Action::save_recipe:
       return save_recipe(studio, path);
     case FileDialog::Action::save_scene:
@@ -119,7 +123,8 @@ void draw_file_dialog(Ui& ui) {
                            ImGuiCond_Appearing);
   ImGui::SetNextWindowPos({room.x / 2, room.y / 2}, ImGuiCond_Appearing, {0.5f, 0.5f});
   if (!ImGui::BeginPopupModal("file", nullptr, ImGuiWindowFlags_NoTitleBar)) return;
-  ImGui::TextUnformatted(action_name(dialog.action));
+  const bool chooses = dialog.action == FileDialog::Action::choose;
+  ImGui::TextUnformatted(chooses ? dialog.title.c_str() : action_name(dialog.action));
   ImGui::SetNextItemWidth(-4 * em);
   ImGui::InputText("folder", &dialog.folder);
   mark(ui.probe, "file/folder");
@@ -191,6 +196,13 @@ void start_dialog(Ui& ui, FileDialog::Action action, const std::string& name) {
   ui.dialog.action = action;
   ui.dialog.name = name;
   ui.dialog.wants_open = true;
+}
+
+void choose_file(Ui& ui, const std::string& title,
+                 std::function<void(Ui&, const std::string& path)> then) {
+  ui.dialog.title = title;
+  ui.dialog.then = std::move(then);
+  start_dialog(ui, FileDialog::Action::choose, "");
 }
 
 void save_present_recipe(Ui& ui) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "app/studio/panel_overlay.h"
 #include "app/studio/pictures.h"
 #include "app/studio/tools.h"
 #include "app/studio/ui.h"
@@ -21,46 +22,6 @@ constexpr ImU32 shadow_color = IM_COL32(0, 0, 0, 160);
 
 bool is_drawing_tool(Tool tool) {
   return tool != Tool::orbit && tool != Tool::light && tool != Tool::eyedropper;
-}
-
-// From the map's mm to the screen.
-struct FlatFrame {
-  ImVec2 origin;
-  float per_mm = 1;
-  ImVec2 to_screen(double x, double y) const {
-    return {origin.x + static_cast<float>(x) * per_mm, origin.y + static_cast<float>(y) * per_mm};
-  }
-};
-
-void draw_points(const Document& points, const FlatFrame& frame, ImU32 color, float width) {
-  ImDrawList* list = ImGui::GetWindowDrawList();
-  std::vector<ImVec2> line;
-  for (const Document& point : std::get<Document::Array>(points.value)) {
-    const std::vector<double> at = as_numbers(point);
-    if (at.size() == 2) line.push_back(frame.to_screen(at[0], at[1]));
-  }
-  if (line.size() == 1) list->AddCircleFilled(line.front(), std::max(2.0f, width / 2), color);
-  list->AddPolyline(line.data(), static_cast<int>(line.size()), color, 0, std::max(2.0f, width));
-}
-
-// Strokes of the selected layer's selection.
-void draw_strokes(const Studio& studio, const FlatFrame& frame) {
-  const LayerSnapshot* layer = selected_layer(studio);
-  if (layer == nullptr) return;
-  const Document* selection = find(layer->source, "selection");
-  if (selection == nullptr || !std::holds_alternative<Document::Object>(selection->value)) return;
-  for (const char* key : {"strokes", "of"}) {
-    const Document* strokes = find(*selection, key);
-    if (strokes == nullptr || !std::holds_alternative<Document::Array>(strokes->value)) continue;
-    for (const Document& stroke : std::get<Document::Array>(strokes->value)) {
-      if (!std::holds_alternative<Document::Object>(stroke.value)) continue;
-      const Document* points = find(stroke, "points");
-      if (points == nullptr || find(stroke, "unit") != nullptr) continue;
-      const Document* positive = find(stroke, "positive");
-      const bool is_negative = positive != nullptr && !as_bool(*positive);
-      draw_points(*points, frame, is_negative ? negative_color : positive_color, 2);
-    }
-  }
 }
 
 // White on black: seen on any map.
@@ -86,23 +47,28 @@ void draw_marks(const Studio& studio, const FlatFrame& frame, bool on_second) {
 }
 
 void draw_present_stroke(const Studio& studio, const FlatFrame& frame) {
-  const auto& points = studio.stroke.points;
-  if (points.empty()) return;
+  if (studio.stroke.lines.empty()) return;
+  if (studio.tool == Tool::select) return draw_present_selection(studio, frame);
   ImDrawList* list = ImGui::GetWindowDrawList();
+  const auto &first = studio.stroke.lines.front().front(),
+             &last = studio.stroke.lines.back().back();
   if (studio.tool == Tool::stamp)
-    return draw_outline(frame,
-                        {points.front()[0], points.front()[1], points.back()[0], points.back()[1]});
-  std::vector<ImVec2> line;
-  line.reserve(points.size());
-  for (const auto& point : points) line.push_back(frame.to_screen(point[0], point[1]));
-  list->AddPolyline(line.data(), static_cast<int>(line.size()),
-                    studio.tool == Tool::scribble_minus ? negative_color : positive_color, 0,
-                    std::max(2.0f, static_cast<float>(2 * studio.brush_radius_mm) * frame.per_mm));
+    return draw_outline(frame, {first[0], first[1], last[0], last[1]});
+  for (const StrokeLine& points : studio.stroke.lines) {
+    std::vector<ImVec2> line;
+    line.reserve(points.size());
+    for (const auto& point : points) line.push_back(frame.to_screen(point[0], point[1]));
+    list->AddPolyline(
+        line.data(), static_cast<int>(line.size()),
+        studio.tool == Tool::scribble_minus ? negative_color : positive_color, 0,
+        std::max(2.0f, static_cast<float>(2 * studio.brush_radius_mm) * frame.per_mm));
+  }
 }
 
 void draw_brush(const Studio& studio, const FlatFrame& frame) {
-  if (!ImGui::IsItemHovered() || !is_drawing_tool(studio.tool) || studio.tool == Tool::stamp)
-    return;
+  const bool is_brush =
+      is_drawing_tool(studio.tool) && studio.tool != Tool::stamp && studio.tool != Tool::select;
+  if (!ImGui::IsItemHovered() || !is_brush) return;
   const auto radius = std::max(1.0f, static_cast<float>(studio.brush_radius_mm) * frame.per_mm);
   ImGui::GetWindowDrawList()->AddCircle(
       ImGui::GetIO().MousePos, radius,
@@ -114,6 +80,15 @@ void handle_flat_mouse(Ui& ui, const FlatFrame& frame, bool on_second) {
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   const double x = static_cast<double>((mouse.x - frame.origin.x) / frame.per_mm),
                y = static_cast<double>((mouse.y - frame.origin.y) / frame.per_mm);
+  if (ImGui::IsItemActivated() && !on_second)
+    grab_handle(studio, x, y, static_cast<double>(0.6f * ImGui::GetFontSize() / frame.per_mm));
+  if (studio.grabbed) {
+    if (ImGui::IsItemActive()) drag_handle(studio, x, y);
+    if (!ImGui::IsItemDeactivated()) return;
+    studio.grabbed.reset();
+    ++studio.drags;
+    return;
+  }
   if (is_drawing_tool(studio.tool)) {
     if (ImGui::IsItemActive()) extend_stroke(studio, x, y, on_second);
     if (ImGui::IsItemDeactivated()) finish_stroke(studio);
@@ -134,10 +109,11 @@ void draw_flat_options(Ui& ui) {
   ImGui::SameLine();
   const double pitch = studio.snapshot->after.pixel_pitch_mm;
   const double least = 0.25 * pitch, most = 0.25 * pitch * studio.snapshot->after.width;
-  ImGui::SetNextItemWidth(std::max(4 * em, ImGui::GetContentRegionAvail().x));
+  const float room = std::max(4 * em, ImGui::GetContentRegionAvail().x);
+  ImGui::SetNextItemWidth(room);
   const auto speed = static_cast<float>(0.01 * studio.brush_radius_mm);
   ImGui::DragScalar("##brush", ImGuiDataType_Double, &studio.brush_radius_mm, speed, &least, &most,
-                    "brush %.2f mm", ImGuiSliderFlags_AlwaysClamp);
+                    room > 8 * em ? "brush %.2f mm" : "%.2f mm", ImGuiSliderFlags_AlwaysClamp);
   mark(ui.probe, "brush");
   explain("radius of strokes: drag to the left and right ([ and ])");
   if (studio.second == nullptr) return;
@@ -185,7 +161,7 @@ void draw_flat_view(Ui& ui) {
   mark(ui.probe, "flat");
   handle_flat_mouse(ui, frame, on_second);
   list->PushClipRect(frame.origin, end, true);
-  if (!on_second) draw_strokes(studio, frame);
+  if (!on_second) draw_selection(studio, frame);
   draw_marks(studio, frame, on_second);
   draw_present_stroke(studio, frame);
   draw_brush(studio, frame);

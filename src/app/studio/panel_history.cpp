@@ -20,8 +20,12 @@ void draw_history(Ui& ui) {
                           i + 1 == view.position))
       target = i + 1;
     if (is_undone) ImGui::PopStyleColor();
+    const bool is_present = i + 1 == view.position;
+    if (is_present && ui.history_seen != std::pair(view.position, view.rows.size()))
+      ImGui::SetScrollHereY();
     mark(ui.probe, fmt::format("history/{}", i + 1));
   }
+  ui.history_seen = {view.position, view.rows.size()};
   if (target) jump_to(studio, *target);
 }
 

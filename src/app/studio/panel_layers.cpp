@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/studio/strokes.h"
 #include "app/studio/tools.h"
 #include "app/studio/ui.h"
 #include "base/error.h"
@@ -14,14 +15,6 @@
 namespace parian {
 namespace {
 
-void post_layer(Ui& ui, std::size_t index, Document layer, const std::string& label,
-                const std::string& what) {
-  Studio& studio = ui.studio;
-  studio.editor->post(label, set_layer(index, std::move(layer)),
-                      fmt::format("{} {} {}", what, index, studio.drags));
-  touch_map(studio);
-}
-
 void draw_switch(Ui& ui, std::size_t i) {
   Studio& studio = ui.studio;
   const LayerSnapshot& layer = studio.snapshot->layers[i];
@@ -29,8 +22,7 @@ void draw_switch(Ui& ui, std::size_t i) {
   if (ImGui::Checkbox("##on", &enabled)) {
     Document changed = layer.source;
     set(changed, "enabled", enabled);
-    studio.editor->post((enabled ? "show " : "hide ") + layer.name,
-                        set_layer(i, std::move(changed)));
+    studio.editor->post((enabled ? "show " : "hide ") + layer.name, set_layer(i, changed));
     touch_map(studio);
   }
   mark(ui.probe, fmt::format("layer/{}/on", i));
@@ -75,6 +67,8 @@ void draw_row(Ui& ui, std::size_t i) {
   ImGui::AlignTextToFramePadding();
   if (ImGui::Selectable(label.c_str(), studio.selected_layer == i, 0, {room, 0})) {
     studio.selected_layer = i;
+    studio.part.clear();
+    studio.selected_stroke = 0;
     studio.flat_is_stale = true;
     if (studio.show_selection) touch_view(studio);
   }
@@ -102,77 +96,68 @@ ParamList describe(LayerNumbers& numbers) {
            .max = 1}};
 }
 
-// Numbers that every selection has.
-struct SelectionNumbers {
-  double grow = 0, feather = 0;
-  bool invert = false;
-};
-ParamList describe(SelectionNumbers& numbers) {
-  return {{.name = "grow",
-           .help = "widens the selection; negative narrows it",
-           .target = &numbers.grow,
-           .min = -1000,
-           .max = 1000,
-           .unit = "mm"},
-          {.name = "feather",
-           .help = "softens its edge",
-           .target = &numbers.feather,
-           .min = 0,
-           .max = 1000,
-           .unit = "mm"},
-          {.name = "invert", .help = "what was not selected", .target = &numbers.invert}};
+bool draw_name(Ui& ui, const LayerSnapshot& layer, Document& changed, bool& ended) {
+  std::string name = layer.name;
+  const bool edits =
+      ImGui::InputText("name", &name, ImGuiInputTextFlags_EnterReturnsTrue) && !name.empty();
+  mark(ui.probe, "layer name");
+  if (!edits) return false;
+  set(changed, "name", name);
+  ui.edited_key = "name";
+  return ended = true;
 }
 
-// Whole-grid operations take neither.
-bool has_selection(const std::string& kind) {
-  static const std::vector<std::string> whole{"hallucinate", "crop",     "tile",      "flip",
-                                              "rotate",      "resample", "synthesize"};
-  return std::find(whole.begin(), whole.end(), kind) == whole.end();
-}
-
-bool draw_selection(Ui& ui, Document& layer, bool& ended) {
-  const Document* selection = find(layer, "selection");
-  if (selection == nullptr) {
-    ImGui::TextDisabled("on all of the map; draw with a tool to select");
-    return false;
+// Places and profiles that operations take from the map.
+bool draw_sources(Ui& ui, const LayerSnapshot& layer, Document& changed, bool& ended) {
+  bool edits = false;
+  for (const char* key : {"min", "max", "to"}) edits |= draw_place(ui, changed, key, ended);
+  if (layer.kind != "blend") return edits;
+  ImGui::BeginDisabled(!ui.studio.picked);
+  if (ImGui::Button("mix in the picked profile")) {
+    set(changed, "from", describe_picked(*ui.studio.picked));
+    ui.edited_key = "profile";
+    edits = ended = true;
   }
-  const Document* type = find(*selection, "type");
-  ImGui::TextDisabled("selection: %s",
-                      type != nullptr ? as_string(*type).c_str() : "of several parts");
-  Document changed = *selection;
-  SelectionNumbers numbers;
-  ImGui::PushID("selection");
-  const bool edits = draw_params(ui, describe(numbers), changed, ended);
-  ImGui::PopID();
-  if (edits) set(layer, "selection", std::move(changed));
+  ImGui::EndDisabled();
+  mark(ui.probe, "take picked");
   return edits;
 }
 
-// Name, parameters of the operation, opacity, and the selection.
+bool draw_operation(Ui& ui, const LayerSnapshot& layer, Document& changed, bool& ended) {
+  const OperationKind* kind = find_kind(layer.kind);
+  if (kind == nullptr || !kind->params) return false;
+  const bool open = ImGui::CollapsingHeader((layer.kind + "###operation").c_str(),
+                                            ImGuiTreeNodeFlags_DefaultOpen);
+  mark(ui.probe, "section/operation");
+  if (!open) return false;
+  const OperationKind::Params params = kind->params();
+  bool edits = draw_sources(ui, layer, changed, ended);
+  if (layer.kind == "interpolate") {
+    edits |= draw_stroke_list(ui, changed, true, ended);
+    return draw_folded_params(ui, params.list, changed, ended) || edits;
+  }
+  return draw_params(ui, params.list, changed, ended) || edits;
+}
+
+bool draw_selection(Ui& ui, Document& changed, bool& ended) {
+  const bool open = ImGui::CollapsingHeader("selection", ImGuiTreeNodeFlags_DefaultOpen);
+  mark(ui.probe, "section/selection");
+  return open && draw_selection_form(ui, changed, ended);
+}
+
+// Name, opacity, parameters of the operation, and the selection.
 void draw_controls(Ui& ui, std::size_t index) {
   const LayerSnapshot& layer = ui.studio.snapshot->layers[index];
+  const bool has_selection = takes_selection(layer.kind);
   Document changed = layer.source;
-  bool ended = false, edits = false;
-  std::string name = layer.name;
-  if (ImGui::InputText("name", &name, ImGuiInputTextFlags_EnterReturnsTrue) && !name.empty()) {
-    set(changed, "name", name);
-    ui.edited_key = "name";
-    edits = true;
-  }
-  mark(ui.probe, "layer name");
-  if (const OperationKind* kind = find_kind(layer.kind); kind != nullptr && kind->params) {
-    const OperationKind::Params params = kind->params();
-    edits |= draw_params(ui, params.list, changed, ended);
-  }
-  if (has_selection(layer.kind)) {
-    ImGui::Separator();
-    LayerNumbers numbers;
-    edits |= draw_params(ui, describe(numbers), changed, ended);
-    edits |= draw_selection(ui, changed, ended);
-  }
+  bool ended = false, edits = draw_name(ui, layer, changed, ended);
+  LayerNumbers numbers;
+  if (has_selection) edits |= draw_params(ui, describe(numbers), changed, ended);
+  edits |= draw_operation(ui, layer, changed, ended);
+  if (has_selection) edits |= draw_selection(ui, changed, ended);
   if (edits)
-    post_layer(ui, index, std::move(changed), layer.name + ": " + ui.edited_key,
-               "params " + ui.edited_key);
+    change_layer(ui.studio, std::move(changed), layer.name + ": " + ui.edited_key,
+                 fmt::format("params {} {} {}", index, ui.edited_key, ui.studio.drags));
   if (ended) ++ui.studio.drags;
 }
 
@@ -182,12 +167,16 @@ void draw_text(Ui& ui, std::size_t index) {
     ui.text_layer.reset();
     return;
   }
-  if (ui.text_layer != index) {
-    ui.text = format_document(layer.source);
+  const std::string present = format_document(layer.source);
+  // Text that nobody has touched follows the layer.
+  if (ui.text_layer != index || (ui.text == ui.text_before && present != ui.text_before)) {
+    ui.text = ui.text_before = present;
     ui.text_layer = index;
   }
   ImGui::InputTextMultiline("##text", &ui.text, {-1, ImGui::GetTextLineHeight() * 12});
-  if (ImGui::Button("apply")) {
+  const bool applies = ImGui::Button("apply");
+  mark(ui.probe, "apply text");
+  if (applies) {
     try {
       ui.studio.editor->post("text of " + layer.name,
                              set_layer(index, parse_document(ui.text, layer.name)));

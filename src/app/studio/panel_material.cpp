@@ -57,8 +57,8 @@ void draw_map_facts(const Studio& studio) {
   explain(studio.material_path.c_str());
   if (studio.snapshot == nullptr) return;
   const EditState& state = studio.snapshot->after;
-  ImGui::Text("%d × %d pixels of %.3g mm, %d channels", state.width, state.height,
-              state.pixel_pitch_mm, state.channels);
+  ImGui::TextWrapped("%d × %d pixels of %.3g mm, %d channels", state.width, state.height,
+                     state.pixel_pitch_mm, state.channels);
   ImGui::Text("%zu knots to %.2f mm", state.knots_mm.size(), state.knots_mm.back());
   if (studio.second == nullptr) return;
   ImGui::Spacing();

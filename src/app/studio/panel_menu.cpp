@@ -16,9 +16,9 @@ struct Shortcut {
 constexpr Shortcut shortcuts[] = {
     {"Ctrl+O", "open: table, map, blend, mesh, recipe, scene, environment, photograph"},
     {"Ctrl+S, Ctrl+Shift+S", "save the recipe; under another name"},
-    {"Ctrl+Z, Ctrl+Y", "undo, redo (also Ctrl+Shift+Z)"},
+    {"Ctrl+Z, Ctrl+Y", "undo, redo (also Ctrl+Shift+Z): layers, light, camera"},
     {"Ctrl+Q", "quit"},
-    {"1 … 8", "tools, from top to bottom"},
+    {"1 … 9", "tools, from top to bottom"},
     {"V, Shift+V", "next view mode, previous one"},
     {"M", "show the selection on the mesh"},
     {"F", "frame the mesh"},
@@ -180,7 +180,7 @@ void drop_layer(Studio& studio) {
 void cancel_all(Studio& studio) {
   for (const JobView& job : studio.jobs.views()) studio.jobs.cancel(job.name);
   if (studio.editor != nullptr) studio.editor->cancel();
-  studio.notice_is_seen = true;
+  studio.unseen_errors = 0;
 }
 
 void add_exposure(Studio& studio, double stops) {
@@ -233,9 +233,6 @@ void handle_key(Ui& ui, const KeyPress& key) {
   switch (key.key) {
     case key_f1:
       ui.shows_help = !ui.shows_help;
-      return;
-    case key_f12:
-      ui.wants_screenshot = true;
       return;
     case key_escape:
       return cancel_all(studio);
@@ -293,6 +290,7 @@ void draw_help(Ui& ui) {
 void handle_shortcuts(Ui& ui) {
   const std::vector<KeyPress> keys = ui.window.take_keys();
   ui.probe.input.keys += keys.size();
+  for (const KeyPress& key : keys) ui.wants_screenshot |= key.key == key_f12;
   if (ImGui::GetIO().WantTextInput || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId)) return;
   for (const KeyPress& key : keys)
     if (key.control)

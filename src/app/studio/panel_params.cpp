@@ -52,15 +52,18 @@ bool draw_numbers(Ui& ui, const char* label, std::vector<double>& values, const 
   return changed;
 }
 
-bool draw_choice_param(const char* text, const ChoiceTarget& choice) {
+bool draw_choice_param(Ui& ui, const char* text, const ChoiceTarget& choice) {
   const int index = choice.get();
   bool changed = false;
   if (!ImGui::BeginCombo(text, choice.names[static_cast<std::size_t>(index)].c_str())) return false;
-  for (int i = 0; i < static_cast<int>(choice.names.size()); ++i)
-    if (ImGui::Selectable(choice.names[static_cast<std::size_t>(i)].c_str(), i == index)) {
+  for (int i = 0; i < static_cast<int>(choice.names.size()); ++i) {
+    const std::string& name = choice.names[static_cast<std::size_t>(i)];
+    if (ImGui::Selectable(name.c_str(), i == index)) {
       choice.set(i);
       changed = true;
     }
+    mark(ui.probe, fmt::format("param/{}/{}", text, name));
+  }
   ImGui::EndCombo();
   return changed;
 }
@@ -80,7 +83,7 @@ bool draw_param(Ui& ui, const std::string& label, const Param& param) {
     return ImGui::InputText(text, *words);
   if (auto* const* numbers = std::get_if<std::vector<double>*>(&param.target))
     return draw_numbers(ui, text, **numbers, param);
-  return draw_choice_param(text, std::get<ChoiceTarget>(param.target));
+  return draw_choice_param(ui, text, std::get<ChoiceTarget>(param.target));
 }
 
 // What the document says of one parameter; what cannot be read keeps its default.
@@ -122,10 +125,25 @@ bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ende
       ui.edited_key = key;
     }
     changed |= is_changed;
-    ended |= ImGui::IsItemDeactivatedAfterEdit();
+    ended |= ImGui::IsItemDeactivatedAfterEdit() ||
+             (is_changed && std::holds_alternative<ChoiceTarget>(param.target));
     if (!std::holds_alternative<std::vector<double>*>(param.target)) mark(ui.probe, "param/" + key);
     explain((param.help + (param.unit.empty() ? "" : ", " + param.unit)).c_str());
   }
+  return changed;
+}
+
+bool draw_folded_params(Ui& ui, const ParamList& params, Document& document, bool& ended) {
+  constexpr std::size_t most = 4;
+  if (params.size() <= 2 * most) return draw_params(ui, params, document, ended);
+  const ParamList first(params.begin(), params.begin() + most),
+      rest(params.begin() + most, params.end());
+  bool changed = draw_params(ui, first, document, ended);
+  const bool open = ImGui::TreeNode("how strokes spread");
+  mark(ui.probe, "more params");
+  if (!open) return changed;
+  changed |= draw_params(ui, rest, document, ended);
+  ImGui::TreePop();
   return changed;
 }
 

@@ -60,7 +60,8 @@ void draw_grid(const Axes& axes) {
     const ImVec2 at = axes.place(0, axes.top - d * ln_10);
     list->AddLine(at, {axes.high.x, at.y}, color);
   }
-  for (int i = 1; i <= 4; ++i) {
+  const bool is_narrow = axes.high.x - axes.low.x < 20 * em;  // room for every other number
+  for (int i = is_narrow ? 2 : 1; i <= 4; i += is_narrow ? 2 : 1) {
     const double r = axes.max_r * i / 4;
     const ImVec2 at = axes.place(r, axes.top);
     const std::string label = fmt::format("{:.1f}{}", r, i == 4 ? " mm" : "");
@@ -76,14 +77,14 @@ void draw_grid(const Axes& axes) {
 }
 
 // What the lines are, in the upper right corner.
-void draw_legend(const Axes& axes, bool has_data, bool has_picked, ImU32 edited) {
+void draw_legend(const Axes& axes, bool has_before, bool has_data, bool has_picked, ImU32 edited) {
   struct Line {
     const char* text;
     ImU32 color;
     bool is_shown;
   };
   const Line lines[] = {{"edited", edited, true},
-                        {"before", before_color, true},
+                        {"before", before_color, has_before},
                         {"picked", picked_color, has_picked},
                         {"measured", data_color | IM_COL32(0, 0, 0, 255), has_data}};
   const float em = ImGui::GetFontSize();
@@ -154,9 +155,13 @@ void draw_heading(Ui& ui, const EditState& state) {
   }
   studio.channel = std::clamp(studio.channel, 0, state.channels - 1);
   const std::string place = fmt::format("({}, {})", studio.inspected.x, studio.inspected.y);
-  ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(place.c_str()).x);
-  ImGui::TextDisabled("%s", place.c_str());
-  explain("the inspected pixel: click on another one with the orbit tool or the eyedropper");
+  const float width = ImGui::CalcTextSize(place.c_str()).x;
+  const float right = ImGui::GetWindowPos().x + ImGui::GetContentRegionMax().x;
+  if (ImGui::GetItemRectMax().x + ImGui::GetStyle().ItemSpacing.x + width <= right) {
+    ImGui::SameLine(ImGui::GetContentRegionMax().x - width);
+    ImGui::TextDisabled("%s", place.c_str());
+    explain("the inspected pixel: click on another one of the map with the tool 'orbit' or 'pick'");
+  }
   const ProfileProperties properties = measure_properties(
       get_profile(state, studio.channel, studio.inspected.x, studio.inspected.y));
   ImGui::TextDisabled("albedo %.3f  range %.2f  mean %.2f mm", properties.albedo,
@@ -166,18 +171,21 @@ void draw_heading(Ui& ui, const EditState& state) {
 void draw_curves(const Studio& studio, const Axes& axes, const Profile& edited) {
   const EditState &before = studio.snapshot->before, &after = studio.snapshot->after;
   const auto channel = static_cast<std::size_t>(studio.channel);
-  if (before.width == after.width && before.height == after.height)
+  // Of a new grid the pixel is another one.
+  const bool is_same_grid = before.width == after.width && before.height == after.height;
+  const bool has_data = is_same_grid && !studio.measured.empty();
+  if (is_same_grid)
     draw_curve(axes, get_profile(before, studio.channel, studio.inspected.x, studio.inspected.y),
                before_color, 1.5f);
   const bool has_picked = studio.picked && channel < studio.picked->profiles.size();
   if (has_picked) draw_curve(axes, studio.picked->profiles[channel], picked_color, 1.5f);
   for (const MeasuredPair& pair : studio.measured)
-    if (pair.value > 0)
+    if (has_data && pair.value > 0)
       ImGui::GetWindowDrawList()->AddCircleFilled(axes.place(pair.r_mm, std::log(pair.value)), 1.5f,
                                                   data_color);
   const ImU32 color = channel_colors[std::min(channel, std::size_t{2})];
   draw_curve(axes, edited, color, 2.5f);
-  draw_legend(axes, !studio.measured.empty(), has_picked, color);
+  draw_legend(axes, is_same_grid, has_data, has_picked, color);
 }
 
 // R_d of the channels of a homogeneous material.

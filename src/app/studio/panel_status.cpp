@@ -98,11 +98,11 @@ void draw_status(Ui& ui) {
 // The last error, over the view until it is clicked away or old.
 void draw_notice(Ui& ui, const PanelBox& view) {
   Studio& studio = ui.studio;
-  if (studio.notice_is_seen) return;
+  if (studio.unseen_errors == 0) return;
   const auto error = std::find_if(studio.messages.rbegin(), studio.messages.rend(),
                                   [](const Message& message) { return message.is_error; });
   if (error == studio.messages.rend() || studio.now_s - error->time_s > notice_s) {
-    studio.notice_is_seen = true;
+    studio.unseen_errors = 0;
     return;
   }
   const float em = ImGui::GetFontSize();
@@ -115,9 +115,11 @@ void draw_notice(Ui& ui, const PanelBox& view) {
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
   ImGui::PushTextWrapPos(ImGui::GetContentRegionAvail().x - 2.5f * em);
   ImGui::TextUnformatted(error->text.c_str());
+  if (studio.unseen_errors > 1)
+    ImGui::TextDisabled("and %zu more under Messages", studio.unseen_errors - 1);
   ImGui::PopTextWrapPos();
-  ImGui::SameLine(ImGui::GetWindowWidth() - 2.4f * em);
-  if (ImGui::SmallButton("×")) studio.notice_is_seen = true;
+  ImGui::SetCursorPos({ImGui::GetWindowWidth() - 2.4f * em, ImGui::GetStyle().WindowPadding.y});
+  if (ImGui::SmallButton("×")) studio.unseen_errors = 0;
   mark(ui.probe, "notice/close");
   ImGui::End();
   ImGui::PopStyleVar();

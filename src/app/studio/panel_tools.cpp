@@ -21,6 +21,7 @@ constexpr const char* tool_help[] = {
     "Pick a profile, of this map, of the mesh, or of the second material, and inspect it. (6)",
     "Paint with the picked profile. (7)",
     "Drag a rectangle around a pattern, then click where it goes. (8)",
+    "Drag across what to select, or drag the handles. Other shapes: under Layers. (9)",
 };
 
 // Pictures in a square from (-1, -1) to (1, 1).
@@ -90,6 +91,15 @@ void draw_stamp_icon(const Icon& icon) {
     icon.list->AddRectFilled(icon.at(x, y), icon.at(x + 0.6f, y + 0.6f), icon.color);
 }
 
+void draw_select_icon(const Icon& icon) {
+  constexpr std::array dashes{-0.85f, -0.2f, 0.45f};
+  for (const float from : dashes)
+    for (const float side : {-0.85f, 0.85f}) {
+      icon.line({from, side}, {from + 0.4f, side});
+      icon.line({side, from}, {side, from + 0.4f});
+    }
+}
+
 void draw_icon(Tool tool, const Icon& icon) {
   switch (tool) {
     case Tool::orbit:
@@ -107,6 +117,8 @@ void draw_icon(Tool tool, const Icon& icon) {
       return draw_paint_icon(icon);
     case Tool::stamp:
       return draw_stamp_icon(icon);
+    case Tool::select:
+      return draw_select_icon(icon);
   }
 }
 

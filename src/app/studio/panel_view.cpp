@@ -43,21 +43,19 @@ void drag_light(Studio& studio, ImVec2 delta, bool environment) {
 void stroke_on_mesh(Ui& ui, ImVec2 at, ImVec2 origin, bool picks) {
   Studio& studio = ui.studio;
   if (studio.is_homogeneous || studio.snapshot == nullptr || studio.stage == nullptr) return;
-  const EditState& state = studio.snapshot->after;
-  const std::optional<std::array<double, 2>> place =
-      mesh_to_map(studio, static_cast<double>(at.x), static_cast<double>(at.y));
-  if (!place) return;
+  const std::array to{static_cast<double>(at.x), static_cast<double>(at.y)};
   if (picks) {
-    if (const auto pixel = pixel_at(state, (*place)[0], (*place)[1])) pick_pixel(studio, *pixel);
+    const std::optional<std::array<double, 2>> place = mesh_to_map(studio, to[0], to[1]);
+    if (!place) return;
+    if (const auto pixel = pixel_at(studio.snapshot->after, (*place)[0], (*place)[1]))
+      pick_pixel(studio, *pixel);
     return;
   }
-  // A stroke does not run across the seam between tiles: it ends there.
-  const auto& points = studio.stroke.points;
-  const bool jumps = !points.empty() &&
-                     std::hypot((*place)[0] - points.back()[0], (*place)[1] - points.back()[1]) >
-                         0.25 * state.width * state.pixel_pitch_mm;
-  if (jumps) finish_stroke(studio);
-  extend_stroke(studio, (*place)[0], (*place)[1]);
+  std::array from = to;
+  if (!ui.view_stroke.empty())
+    from = {static_cast<double>(ui.view_stroke.back()[0] - origin.x),
+            static_cast<double>(ui.view_stroke.back()[1] - origin.y)};
+  extend_mesh_stroke(studio, from, to);
   ui.view_stroke.push_back({origin.x + at.x, origin.y + at.y});
 }
 
@@ -97,7 +95,9 @@ void handle_view_mouse(Ui& ui, ImVec2 origin) {
 // The stroke that is being drawn, and how large the brush is where it would touch.
 void draw_brush(const Ui& ui) {
   const Studio& studio = ui.studio;
-  if (!is_drawing_tool(studio.tool) || studio.tool == Tool::stamp || studio.is_homogeneous) return;
+  if (!is_drawing_tool(studio.tool) || studio.tool == Tool::stamp || studio.tool == Tool::select ||
+      studio.is_homogeneous)
+    return;
   const ImU32 color = studio.tool == Tool::scribble_minus ? negative_color : positive_color;
   const CameraFrame frame =
       make_camera_frame(make_camera(studio.orbit, studio.view_width, studio.view_height));
@@ -155,15 +155,17 @@ void draw_view_options(Ui& ui) {
   if (draw_choice(ui, "still", still_names(), studio.still)) touch_view(studio);
   explain("how good the picture becomes while nothing moves; exact: by the CPU renderer");
   ImGui::SameLine();
-  ImGui::SetNextItemWidth(std::max(4 * em, ImGui::GetContentRegionAvail().x));
+  const float room = std::max(4 * em, ImGui::GetContentRegionAvail().x);
+  ImGui::SetNextItemWidth(room);
   auto exposure = static_cast<float>(studio.exposure);
-  if (ImGui::DragFloat("##exposure", &exposure, 0.02f, -5, 5, "exposure %+.1f stops",
+  if (ImGui::DragFloat("##exposure", &exposure, 0.02f, -5, 5,
+                       room > 11 * em ? "exposure %+.1f stops" : "%+.1f stops",
                        ImGuiSliderFlags_AlwaysClamp)) {
     studio.exposure = static_cast<double>(exposure);
     touch_view(studio);
   }
   mark(ui.probe, "exposure");
-  explain("drag to the left and right (- and +)");
+  explain("exposure: drag to the left and right (- and +)");
 }
 
 }  // namespace

@@ -138,6 +138,10 @@ void describe_scene(Document& state, const Studio& studio) {
   set(state, "distance_mm", studio.orbit.distance_mm);
   describe_lights(state, studio);
   set(state, "brush_mm", studio.brush_radius_mm);
+  set(state, "show_selection", studio.show_selection);
+  Document::Array rows;
+  for (const HistoryRow& row : view_history(studio).rows) rows.emplace_back(row.label);
+  set(state, "rows", std::move(rows));
 }
 
 Document describe_state(Probe& probe, const Studio& studio) {

@@ -233,15 +233,16 @@ void run_studio(const StudioOptions& options) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
   Studio studio;
-  Window window({.width = options.width,
-                 .height = options.height,
-                 .scale = options.scale,
-                 .title = "Parian Studio",
-                 .on_drop = [&](const std::string& path) { open_file(studio, path); }});
+  Window window(
+      {.width = options.width,
+       .height = options.height,
+       .scale = options.scale,
+       .title = "Parian Studio",
+       .on_drop = [&](const std::vector<std::string>& paths) { open_files(studio, paths); }});
   start_studio(studio, {.state_folder = options.state_folder.empty() ? user_state_folder()
                                                                      : options.state_folder,
                         .data_folder = options.data_folder});
-  for (const std::string& file : options.files) open_file(studio, file);
+  open_files(studio, options.files);
   const WakeWindow wakes(studio);
   Probe probe{.path = options.probe};
   Ui ui{.studio = studio, .probe = probe, .window = window};

@@ -294,6 +294,7 @@ void expect_recovery(std::size_t layers) {
     studio.use_transport = false;
     studio.still = Still::draft;
     run(studio);
+    update(studio, studio.last_change_s + 1);
     turn_light(studio.lighting[0], 30, 0, {});
     set_homogeneous(studio, material);
     turn(studio.orbit, 10, 0, 48);

@@ -18,7 +18,39 @@ std::string label_of(const SceneState& before, const SceneState& after) {
     return before.lighting.size() < after.lighting.size() ? "add light" : "remove light";
   for (std::size_t i = 0; i < after.lighting.size(); ++i)
     if (before.lighting[i].sky != after.lighting[i].sky) return "environment";
-  return "light";
+  return before.lighting != after.lighting ? "light" : "camera";
+}
+
+bool moves_only_camera(const SceneState& before, const SceneState& after) {
+  SceneState moved = before;
+  moved.orbit = after.orbit;
+  return moved == after;
+}
+
+bool is_camera_move(const SceneEntry& entry) {
+  return moves_only_camera(entry.before, entry.after);
+}
+
+void note_camera(SceneHistory& history, const SceneState& before, const SceneState& after,
+                 std::size_t recipe_entries) {
+  std::erase_if(history.undone, is_camera_move);
+  const bool goes_on = !history.done.empty() && is_camera_move(history.done.back()) &&
+                       history.done.back().recipe_entries == recipe_entries;
+  if (!goes_on)
+    return history.done.push_back({before, after, label_of(before, after), recipe_entries});
+  history.done.back().after = after;
+  if (history.done.back().before == after) history.done.pop_back();
+}
+
+// The step of an entry between its two states. The camera may have moved since the entry was made:
+// other entries leave it, and its own leave all else.
+SceneState step(SceneState present, const SceneState& from, SceneState to) {
+  if (moves_only_camera(from, to)) {
+    present.orbit = to.orbit;
+    return present;
+  }
+  if (from.orbit == to.orbit) to.orbit = present.orbit;
+  return to;
 }
 
 }  // namespace
@@ -27,9 +59,21 @@ void note_scene(SceneHistory& history, const SceneState& state, std::size_t reci
   if (!history.present) history.present = state;
   if (*history.present == state) return;
   const SceneState before = *std::exchange(history.present, state);
-  history.done.push_back({before, state, label_of(before, state), recipe_entries});
+  if (moves_only_camera(before, state)) {
+    note_camera(history, before, state, recipe_entries);
+  } else {
+    history.done.push_back({before, state, label_of(before, state), recipe_entries});
+    history.undone.clear();
+  }
   if (history.done.size() > max_scene_entries) history.done.erase(history.done.begin());
-  history.undone.clear();
+}
+
+void forget_camera(SceneHistory& history, const Orbit& orbit) {
+  if (history.present) history.present->orbit = orbit;
+  for (auto* entries : {&history.done, &history.undone}) {
+    for (SceneEntry& entry : *entries) entry.before.orbit = entry.after.orbit = orbit;
+    std::erase_if(*entries, [](const SceneEntry& entry) { return entry.before == entry.after; });
+  }
 }
 
 HistoryView view_history(const SceneHistory& history, const std::vector<std::string>& recipe_done,
@@ -64,7 +108,8 @@ HistoryView view_history(const SceneHistory& history, const std::vector<std::str
 
 std::optional<SceneState> undo_scene(SceneHistory& history) {
   if (history.done.empty()) return std::nullopt;
-  history.present = history.done.back().before;
+  const SceneEntry& entry = history.done.back();
+  history.present = step(history.present.value_or(entry.after), entry.after, entry.before);
   history.undone.push_back(std::move(history.done.back()));
   history.done.pop_back();
   return history.present;
@@ -72,7 +117,8 @@ std::optional<SceneState> undo_scene(SceneHistory& history) {
 
 std::optional<SceneState> redo_scene(SceneHistory& history) {
   if (history.undone.empty()) return std::nullopt;
-  history.present = history.undone.back().after;
+  const SceneEntry& entry = history.undone.back();
+  history.present = step(history.present.value_or(entry.before), entry.before, entry.after);
   history.done.push_back(std::move(history.undone.back()));
   history.undone.pop_back();
   return history.present;

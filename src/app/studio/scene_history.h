@@ -1,6 +1,6 @@
-// Undo for what is no part of the recipe: lights, layers over the material, the exposure, and the
-// coefficients of a homogeneous material. Entries remember how long the recipe's own history was,
-// so that both are undone in the order in which they were made.
+// Undo for what is no part of the recipe: lights, layers over the material, the exposure, the
+// camera, and the coefficients of a homogeneous material. Entries remember how long the recipe's
+// own history was, so that both are undone in the order in which they were made.
 #pragma once
 
 #include <optional>
@@ -17,6 +17,7 @@ struct SceneState {
   Lighting lighting;
   StageLayers layers;
   double exposure = 0;
+  Orbit orbit;
   friend bool operator==(const SceneState&, const SceneState&) = default;
 };
 
@@ -32,8 +33,12 @@ struct SceneHistory {
 };
 inline constexpr std::size_t max_scene_entries = 1000;
 
-// Makes an entry of what is different from the last time; the first time none.
+// Makes an entry of what is different from the last time; the first time none. Moves of the camera
+// are one entry until something else is done, and leave what can be redone.
 void note_scene(SceneHistory& history, const SceneState& state, std::size_t recipe_entries);
+
+// Another mesh: earlier views are none of it, and `orbit` is the present one.
+void forget_camera(SceneHistory& history, const Orbit& orbit);
 
 // All that can be undone and redone, oldest first.
 struct HistoryRow {

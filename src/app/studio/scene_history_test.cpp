@@ -82,5 +82,59 @@ TEST(SceneHistory, RunsBesideTheRecipe) {
   EXPECT_TRUE(view.rows[2].is_scene);
 }
 
+SceneState seen_from(double yaw_deg, double lamp = 0) {
+  SceneState state = lit(lamp);
+  state.orbit.yaw_deg = yaw_deg;
+  return state;
+}
+
+TEST(SceneHistory, MovesOfTheCameraAreOneEntryUntilAnEdit) {
+  SceneHistory history;
+  for (const double yaw : {0.0, 10.0, 20.0, 30.0}) note_scene(history, seen_from(yaw), 0);
+  note_scene(history, seen_from(40), 1);  // after an edit
+  note_scene(history, seen_from(50), 1);
+  note_scene(history, seen_from(50, 3), 1);
+  note_scene(history, seen_from(60, 3), 1);
+  EXPECT_EQ(labels(view_history(history, {"edit"}, {})),
+            (std::vector<std::string>{"camera", "edit", "camera", "light", "camera"}));
+  EXPECT_EQ(undo_scene(history), seen_from(50, 3));
+  EXPECT_EQ(undo_scene(history), seen_from(50));
+  EXPECT_EQ(undo_scene(history), seen_from(30));
+  EXPECT_EQ(undo_scene(history), seen_from(0));
+  EXPECT_FALSE(undo_scene(history));
+}
+
+TEST(SceneHistory, AViewThatComesBackIsNoEntry) {
+  SceneHistory history;
+  for (const double yaw : {0.0, 10.0, 0.0}) note_scene(history, seen_from(yaw), 0);
+  EXPECT_TRUE(history.done.empty());
+}
+
+TEST(SceneHistory, LookingAroundKeepsWhatCanBeRedone) {
+  SceneHistory history;
+  note_scene(history, seen_from(0, 1), 0);
+  note_scene(history, seen_from(0, 2), 0);
+  undo_scene(history);
+  note_scene(history, seen_from(70, 1), 0);
+  EXPECT_EQ(redo_scene(history), seen_from(70, 2));  // the lamp's step, seen from where we are
+  EXPECT_EQ(undo_scene(history), seen_from(70, 1));
+  EXPECT_EQ(undo_scene(history), seen_from(0, 1));
+  EXPECT_FALSE(undo_scene(history));
+}
+
+TEST(SceneHistory, AnotherMeshHasNoneOfTheEarlierViews) {
+  SceneHistory history;
+  note_scene(history, seen_from(0, 1), 0);
+  note_scene(history, seen_from(10, 1), 0);
+  note_scene(history, seen_from(10, 2), 0);
+  Orbit orbit;
+  orbit.yaw_deg = -5;
+  forget_camera(history, orbit);
+  EXPECT_EQ(labels(view_history(history, {}, {})), std::vector<std::string>{"light"});
+  EXPECT_EQ(undo_scene(history), seen_from(-5, 1));
+  note_scene(history, seen_from(-5, 1), 0);
+  EXPECT_EQ(redo_scene(history), seen_from(-5, 2));
+}
+
 }  // namespace
 }  // namespace parian

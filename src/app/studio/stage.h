@@ -28,6 +28,7 @@ struct Orbit {
   double distance_mm = 100;
   double fov_deg = 30;
   double roll_deg = 0;  // of the picture's up from the y axis, to the right
+  friend bool operator==(const Orbit&, const Orbit&) = default;
 };
 Orbit make_orbit(const Camera& camera);
 Orbit frame_stage(const Stage& stage, int width, int height);

@@ -75,16 +75,19 @@ void update_scene_history(Studio& studio) {
 
 void update_map(Studio& studio) {
   if (studio.editor == nullptr) return;
+  const bool is_busy = studio.editor->activity().busy;
   studio.snapshot = studio.editor->snapshot();
+  if (!is_busy) studio.pending_layer.reset();
+  show_pending(studio);
   if (std::optional<std::string> error = studio.editor->take_error())
     report(studio, std::move(*error), true);
   if (studio.snapshot->version == studio.seen_version) return;
   studio.seen_version = studio.snapshot->version;
-  if (studio.selected_layer && *studio.selected_layer >= studio.snapshot->layers.size()) {
+  const std::size_t layers = studio.snapshot->layers.size();
+  if (layers == 0)
     studio.selected_layer.reset();
-    if (!studio.snapshot->layers.empty())
-      studio.selected_layer = studio.snapshot->layers.size() - 1;
-  }
+  else
+    studio.selected_layer = std::min(studio.selected_layer.value_or(layers - 1), layers - 1);
   if (!studio.is_homogeneous) {
     studio.material = studio.snapshot->material;
     studio.shown_compressed.reset();
@@ -177,8 +180,8 @@ void update_autosave(Studio& studio) {
 }  // namespace
 
 const std::vector<std::string>& tool_names() {
-  static const std::vector<std::string> names{"orbit", "light", "scribble +", "scribble -",
-                                              "brush", "pick",  "paint",      "stamp"};
+  static const std::vector<std::string> names{"orbit", "light", "scribble +", "scribble -", "brush",
+                                              "pick",  "paint", "stamp",      "select"};
   return names;
 }
 
@@ -195,8 +198,9 @@ const std::vector<std::string>& flat_mode_names() {
 
 void report(Studio& studio, std::string text, bool is_error) {
   constexpr std::size_t most = 200;
-  if (is_error) studio.notice_is_seen = false;
+  if (is_error) ++studio.unseen_errors;
   if (!studio.messages.empty() && studio.messages.back().text == text) {
+    if (is_error && studio.unseen_errors > 1) --studio.unseen_errors;  // the same one
     studio.messages.back().time_s = studio.now_s;
     ++studio.messages.back().count;
     return;
@@ -208,6 +212,7 @@ void report(Studio& studio, std::string text, bool is_error) {
 void update(Studio& studio, double now_s) {
   studio.now_s = now_s;
   for (const std::string& error : studio.jobs.poll()) report(studio, error, true);
+  open_waiting(studio);
   update_map(studio);
   apply_strokes(studio);
   update_scene_history(studio);
@@ -222,7 +227,7 @@ bool is_settled(const Studio& studio) {
   // The refinement goes on for long: its first pass counts.
   for (const JobView& job : studio.jobs.views())
     if (job.name != "refine") return false;
-  if (studio.is_stale) return false;
+  if (studio.is_stale || !studio.waiting_files.empty()) return false;
   if (studio.snapshot != nullptr && studio.flat_is_stale) return false;
   if (studio.editor != nullptr &&
       (studio.editor->activity().busy || studio.editor->snapshot() != studio.snapshot))
@@ -242,6 +247,8 @@ void touch_view(Studio& studio) {
 }
 
 void touch_map(Studio& studio) {
+  note_scene_now(studio);  // what was done before the edit is undone after it
+  studio.pending_layer.reset();
   studio.last_change_s = studio.now_s;
   if (studio.edit_started_s < 0) studio.edit_started_s = studio.now_s;
   stop_refining(studio);

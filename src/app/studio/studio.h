@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/studio/editor.h"
@@ -17,6 +18,7 @@
 #include "app/studio/pictures.h"
 #include "app/studio/refiner.h"
 #include "app/studio/scene_history.h"
+#include "app/studio/selection_edit.h"
 #include "app/studio/stage.h"
 #include "compress/compress_params.h"
 #include "material/bssrdf_table.h"
@@ -24,7 +26,17 @@
 
 namespace parian {
 
-enum class Tool { orbit, light, scribble_plus, scribble_minus, brush, eyedropper, paint, stamp };
+enum class Tool {
+  orbit,
+  light,
+  scribble_plus,
+  scribble_minus,
+  brush,
+  eyedropper,
+  paint,
+  stamp,
+  select
+};
 const std::vector<std::string>& tool_names();
 
 enum class FlatMode { albedo, range, mean_radius, selection, uniform, disc, line, beam };
@@ -59,11 +71,14 @@ struct SecondMaterial {
   std::shared_ptr<const ProfileMap> map;
 };
 
-// What was drawn with a tool, in mm on the map.
+// What was drawn with a tool, in mm on the map: lines of one point or more. On the mesh a stroke
+// may leave the map at one place and come in at another, and is several lines then.
+using StrokeLine = std::vector<std::array<double, 2>>;
 struct Stroke {
   Tool tool = Tool::brush;
-  std::vector<std::array<double, 2>> points;
+  std::vector<StrokeLine> lines;
   bool on_second = false;  // on the second material
+  bool ended = false;      // the last line
 };
 
 // A blend that was made of the map, for the rate-distortion list.
@@ -109,6 +124,11 @@ struct Studio {
   Dipole homogeneous = first_homogeneous();
   std::shared_ptr<const SecondMaterial> second;
   std::optional<std::size_t> selected_layer;
+  PartPath part;                       // of its selection
+  std::size_t selected_stroke = 0;     // of a scribble
+  std::optional<std::size_t> grabbed;  // handle of the part, while it is dragged
+  // A layer as it was posted, until the editor has done it: what is changed next is changed in it.
+  std::optional<std::pair<std::size_t, Document>> pending_layer;
   std::uint64_t seen_version = 0, saved_version = 0;
 
   // Stage.
@@ -130,6 +150,7 @@ struct Studio {
   std::shared_ptr<const ReadyTransport> transport;
   std::optional<TransportKey> transport_under_way;
   SceneHistory scene_history;
+  std::shared_ptr<const Stage> noted_stage;  // that the history's views are of
 
   // What was asked for last, and what is shown.
   std::uint64_t request_id = 0;
@@ -165,7 +186,9 @@ struct Studio {
   std::optional<std::size_t> shown_compressed;
 
   std::deque<Message> messages;
+  std::size_t unseen_errors = 0;  // the last of them stands over the view
   std::vector<std::string> recent;
+  std::deque<std::string> waiting_files;   // until the map that they need is open
   std::optional<std::string> recoverable;  // path of an autosaved recipe
   std::uint64_t drags = 0;  // finished ones: a drag of a slider is one entry of the history
   double now_s = 0;
@@ -178,8 +201,7 @@ struct Studio {
   bool is_stale = true;  // something changed since the last request
   bool flat_shows_second = false;
   bool flat_is_stale = true;
-  bool notice_is_seen = true;  // of the last error
-  bool is_held = false;        // a mouse button: what is being dragged is no entry yet
+  bool is_held = false;  // a mouse button: what is being dragged is no entry yet
 
   Jobs jobs;  // last: what runs ends before what it looks at
 };
@@ -191,8 +213,8 @@ bool is_settled(const Studio& studio);
 
 void report(Studio& studio, std::string text, bool is_error = false);
 
-// Of the recipe, the light, the exposure and the homogeneous material, in the order in which they
-// were made.
+// Of the recipe, the light, the exposure, the camera and the homogeneous material, in the order in
+// which they were made.
 void undo(Studio& studio);
 void redo(Studio& studio);
 HistoryView view_history(const Studio& studio);

@@ -70,6 +70,7 @@ void apply_scene(Studio& studio, const SceneState& state) {
   studio.lighting = state.lighting;
   studio.layers = state.layers;
   studio.exposure = state.exposure;
+  studio.orbit = state.orbit;
   studio.homogeneous = state.homogeneous;
   if (state.is_homogeneous)
     set_homogeneous(studio, state.homogeneous);
@@ -95,7 +96,7 @@ void set_homogeneous(Studio& studio, Dipole material) {
   studio.is_homogeneous = true;
   studio.homogeneous = material;
   studio.material = std::make_shared<const Material>(std::move(material));
-  touch_map(studio);
+  if (studio.edit_started_s < 0) studio.edit_started_s = studio.now_s;
   touch_view(studio);
 }
 
@@ -126,10 +127,14 @@ void show_compressed(Studio& studio, std::optional<std::size_t> index) {
 }
 
 void note_scene_now(Studio& studio) {
-  note_scene(
-      studio.scene_history,
-      {studio.is_homogeneous, studio.homogeneous, studio.lighting, studio.layers, studio.exposure},
-      recipe_entries(studio));
+  if (studio.noted_stage != studio.stage) {
+    forget_camera(studio.scene_history, studio.orbit);
+    studio.noted_stage = studio.stage;
+  }
+  note_scene(studio.scene_history,
+             {studio.is_homogeneous, studio.homogeneous, studio.lighting, studio.layers,
+              studio.exposure, studio.orbit},
+             recipe_entries(studio));
 }
 
 HistoryView view_history(const Studio& studio) {

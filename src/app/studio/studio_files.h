@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "app/studio/studio.h"
 
@@ -11,6 +12,10 @@ namespace parian {
 // Tables (fitted first), maps, blends, meshes, recipes, scenes, environments (EXR, HDR) and
 // photographs (PNG, JPEG), from which a material is made.
 void open_file(Studio& studio, const std::string& path);
+// Several at once: recipes and photographs after the map that they come with. Once a frame
+// open_waiting goes on with them.
+void open_files(Studio& studio, const std::vector<std::string>& paths);
+void open_waiting(Studio& studio);
 // A map or blend to take profiles and patterns from.
 void open_second(Studio& studio, const std::string& path);
 // A map or blend that becomes a layer over the material.

@@ -7,91 +7,12 @@
 #include <filesystem>
 #include <utility>
 
+#include "app/studio/strokes.h"
 #include "base/error.h"
+#include "edit/adjust.h"
 
 namespace parian {
 namespace {
-
-Document::Array to_points(const std::vector<std::array<double, 2>>& points) {
-  Document::Array array;
-  array.reserve(points.size());
-  for (const auto& point : points) array.emplace_back(Document::Array{point[0], point[1]});
-  return array;
-}
-
-// Points closer than a quarter of a pixel add nothing.
-std::vector<std::array<double, 2>> thin_out(const std::vector<std::array<double, 2>>& points,
-                                            double least) {
-  std::vector<std::array<double, 2>> kept;
-  kept.reserve(points.size());
-  for (const auto& point : points)
-    if (kept.empty() || std::hypot(point[0] - kept.back()[0], point[1] - kept.back()[1]) >= least)
-      kept.push_back(point);
-  return kept;
-}
-
-const std::string* selection_type(const Document& layer) {
-  const Document* selection = find(layer, "selection");
-  const Document* type = selection != nullptr ? find(*selection, "type") : nullptr;
-  return type != nullptr ? std::get_if<std::string>(&type->value) : nullptr;
-}
-
-Document& member(Document& object, const std::string& key) {
-  auto& members = std::get<Document::Object>(object.value);
-  const auto found = std::find_if(members.begin(), members.end(),
-                                  [&](const auto& pair) { return pair.first == key; });
-  if (found != members.end()) return found->second;
-  return members.emplace_back(key, Document{Document::Array{}}).second;
-}
-
-Document make_scribble(const std::vector<std::array<double, 2>>& points, double radius,
-                       bool positive) {
-  Document stroke{Document::Object{}};
-  set(stroke, "points", to_points(points));
-  set(stroke, "radius", radius);
-  if (!positive) set(stroke, "positive", false);
-  return stroke;
-}
-
-Document make_brush(const std::vector<std::array<double, 2>>& points, double radius) {
-  Document stroke{Document::Object{}};
-  set(stroke, "type", "stroke");
-  set(stroke, "points", to_points(points));
-  set(stroke, "radius", radius);
-  return stroke;
-}
-
-// Adds a stroke to the selected layer when its selection has `type` and holds strokes under `key`.
-bool append_to_selected(Studio& studio, const std::string& type, const std::string& key,
-                        const Document& stroke, const std::string& operation = {}) {
-  const LayerSnapshot* layer = selected_layer(studio);
-  if (layer == nullptr || (!operation.empty() && layer->kind != operation)) return false;
-  const std::string* present = selection_type(layer->source);
-  if (present == nullptr || *present != type) return false;
-  Document changed = layer->source;
-  auto& strokes = std::get<Document::Array>(member(member(changed, "selection"), key).value);
-  strokes.push_back(stroke);
-  studio.editor->post("stroke on " + layer->name,
-                      set_layer(*studio.selected_layer, std::move(changed)));
-  touch_map(studio);
-  return true;
-}
-
-void add_with_selection(Studio& studio, Document layer, const std::string& type,
-                        const std::string& key, Document stroke) {
-  Document selection{Document::Object{}};
-  set(selection, "type", type);
-  set(selection, key, Document::Array{std::move(stroke)});
-  set(layer, "selection", std::move(selection));
-  add_layer(studio, std::move(layer));
-}
-
-Document describe_picked(const PickedProfile& picked) {
-  Document from{Document::Object{}};
-  if (!picked.map.empty()) set(from, "map", picked.map);
-  set(from, "at", Document::Array{picked.at_mm[0], picked.at_mm[1]});
-  return from;
-}
 
 PickedProfile pick_from(const EditState& state, const std::string& map, MapPixel pixel) {
   PickedProfile picked{
@@ -102,102 +23,39 @@ PickedProfile pick_from(const EditState& state, const std::string& map, MapPixel
   return picked;
 }
 
-void scribble(Studio& studio, const std::vector<std::array<double, 2>>& points, bool positive) {
-  Document stroke = make_scribble(points, studio.brush_radius_mm, positive);
-  if (append_to_selected(studio, "propagate", "strokes", stroke)) return;
-  if (!positive)
-    return report(studio, "draw a stroke with 'scribble +' first: this one says what stays", true);
-  add_with_selection(studio, make_default_layer("adjust", "scribble"), "propagate", "strokes",
-                     std::move(stroke));
-}
-
-void paint(Studio& studio, const std::vector<std::array<double, 2>>& points) {
-  if (!studio.picked)
-    return report(studio, "pick a profile with the eyedropper first: it is what paint is made of",
-                  true);
-  Document stroke = make_brush(points, studio.brush_radius_mm);
-  Document from = describe_picked(*studio.picked);
-  const LayerSnapshot* layer = selected_layer(studio);
-  const Document* present = layer != nullptr ? find(layer->source, "from") : nullptr;
-  if (present != nullptr && is_same_value(*present, from) &&
-      append_to_selected(studio, "union", "of", stroke, "blend"))
-    return;
-  Document painted = make_default_layer("blend", "paint");
-  set(painted, "from", std::move(from));
-  add_with_selection(studio, std::move(painted), "union", "of", std::move(stroke));
-}
-
-Document describe_stamp(const StampSource& source) {
-  Document from{Document::Object{}};
-  if (!source.map.empty()) set(from, "map", source.map);
-  set(from, "min", Document::Array{source.box_mm[0], source.box_mm[1]});
-  set(from, "max", Document::Array{source.box_mm[2], source.box_mm[3]});
-  return from;
-}
-
-// The source's ellipse around a point; its border gives the values between which it is fitted.
-Document make_stamp_layer(const StampSource& source, const std::array<double, 2>& to) {
-  const auto& box = source.box_mm;
-  Document selection{Document::Object{}};
-  set(selection, "type", "ellipse");
-  set(selection, "center", Document::Array{to[0], to[1]});
-  set(selection, "radii", Document::Array{0.475 * (box[2] - box[0]), 0.475 * (box[3] - box[1])});
-  Document layer = make_default_layer("paste", "stamp");
-  set(layer, "from", describe_stamp(source));
-  set(layer, "to", Document::Array{to[0], to[1]});
-  set(layer, "selection", std::move(selection));
-  return layer;
-}
-
-void stamp(Studio& studio, const Stroke& stroke) {
-  const auto& first = stroke.points.front();
-  const auto& last = stroke.points.back();
-  const EditState& state = stroke.on_second ? studio.second->state : studio.snapshot->after;
-  const double least = 2 * state.pixel_pitch_mm;
-  const std::array<double, 4> box{std::min(first[0], last[0]), std::min(first[1], last[1]),
-                                  std::max(first[0], last[0]), std::max(first[1], last[1])};
-  if (box[2] - box[0] >= least && box[3] - box[1] >= least) {
-    studio.stamp_source = {stroke.on_second ? studio.second->path : "", box};
-    return report(studio, "pattern taken; click where it goes");
-  }
-  if (!studio.stamp_source)
-    return report(studio, "drag a rectangle around a pattern first, then click where it goes",
-                  true);
-  if (stroke.on_second)
-    return report(studio, "click on the map that is edited, not on the second material", true);
-  add_layer(studio, make_stamp_layer(*studio.stamp_source, last));
-}
-
-void apply_stroke(Studio& studio, const Stroke& stroke) {
-  if (stroke.tool == Tool::stamp) return stamp(studio, stroke);
-  if (stroke.on_second)
-    return report(studio, "the second material only gives: pick from it, or stamp", true);
-  const auto points = thin_out(stroke.points, 0.25 * studio.snapshot->after.pixel_pitch_mm);
-  switch (stroke.tool) {
-    case Tool::scribble_plus:
-      return scribble(studio, points, true);
-    case Tool::scribble_minus:
-      return scribble(studio, points, false);
-    case Tool::paint:
-      return paint(studio, points);
-    case Tool::brush: {
-      Document drawn = make_brush(points, studio.brush_radius_mm);
-      if (!append_to_selected(studio, "union", "of", drawn))
-        add_with_selection(studio, make_default_layer("adjust", "brush"), "union", "of",
-                           std::move(drawn));
-      return;
-    }
-    default:
-      return;
-  }
-}
-
 Document describe_inspected(const Studio& studio) {
   const double pitch = studio.snapshot->after.pixel_pitch_mm;
   Document from{Document::Object{}};
   set(from, "at",
       Document::Array{(studio.inspected.x + 0.5) * pitch, (studio.inspected.y + 0.5) * pitch});
   return from;
+}
+
+// The strokes of a selected scribble, each with the parameters of its layer; else a dab on the
+// inspected pixel.
+Document make_interpolation(const Studio& studio) {
+  Document layer = make_default_layer("interpolate", "interpolate");
+  const LayerSnapshot* scribble = selected_layer(studio);
+  const Document* selection = scribble != nullptr && scribble->kind == "adjust"
+                                  ? find(scribble->source, "selection")
+                                  : nullptr;
+  if (selection == nullptr || part_type(*selection) != "propagate") {
+    const Document from = describe_inspected(studio);
+    const std::vector<double> at = as_numbers(get(from, "at"));
+    set(layer, "strokes", make_scribbles({{{at[0], at[1]}}}, studio.brush_radius_mm, true));
+    return layer;
+  }
+  Document::Array strokes = as_array(get(*selection, "strokes"));
+  Adjust defaults;
+  for (Document& stroke : strokes)
+    for (const Param& param : describe(defaults)) {
+      const Document* positive = find(stroke, "positive");
+      const Document* value = find(scribble->source, json_key(param));
+      if (value != nullptr && (positive == nullptr || as_bool(*positive)))
+        set(stroke, json_key(param), *value);
+    }
+  set(layer, "strokes", std::move(strokes));
+  return layer;
 }
 
 [[noreturn]] void throw_needs(const std::string& operation, std::string what) {
@@ -213,15 +71,42 @@ Document make_default_layer(const std::string& operation, const std::string& nam
   return layer;
 }
 
-void add_layer(Studio& studio, Document layer) {
+void add_layer(Studio& studio, const Document& layer) {
   if (studio.snapshot == nullptr) return;
   const std::size_t count = studio.snapshot->layers.size();
   const std::size_t index =
       studio.selected_layer ? std::min(*studio.selected_layer + 1, count) : count;
   const std::string name = as_string(get(layer, "name"));
-  studio.editor->post("add " + name, insert_layer(index, std::move(layer)));
+  studio.editor->post("add " + name, insert_layer(index, layer));
   studio.selected_layer = index;
+  studio.part.clear();
+  studio.selected_stroke = 0;
   touch_map(studio);
+}
+
+void change_layer(Studio& studio, Document layer, std::string label, std::string merge_key) {
+  if (selected_layer(studio) == nullptr) return;
+  studio.editor->post(std::move(label), set_layer(*studio.selected_layer, layer),
+                      std::move(merge_key));
+  touch_map(studio);
+  studio.pending_layer = std::pair(*studio.selected_layer, std::move(layer));
+  show_pending(studio);
+}
+
+void show_pending(Studio& studio) {
+  if (!studio.pending_layer) return;
+  const auto& [index, source] = *studio.pending_layer;
+  if (index >= studio.snapshot->layers.size()) return;
+  auto shown = std::make_shared<EditorSnapshot>(*studio.snapshot);
+  shown->layers[index].source = source;
+  studio.snapshot = std::move(shown);
+}
+
+// Operations that change the grid take the whole map.
+bool takes_selection(const std::string& operation) {
+  static const std::vector<std::string> whole{"hallucinate", "crop",     "tile",      "flip",
+                                              "rotate",      "resample", "synthesize"};
+  return std::find(whole.begin(), whole.end(), operation) == whole.end();
 }
 
 const LayerSnapshot* selected_layer(const Studio& studio) {
@@ -234,16 +119,16 @@ Document make_starting_layer(const Studio& studio, const std::string& operation)
   Document layer = make_default_layer(operation, operation);
   if (studio.snapshot == nullptr) throw_needs(operation, "a map to be open");
   if (operation == "blend") {
-    if (!studio.picked) throw_needs(operation, "a profile, picked with the eyedropper first,");
+    if (!studio.picked) throw_needs(operation, "a profile from the tool 'pick'");
     set(layer, "from", describe_picked(*studio.picked));
     set(layer, "opacity", 0.5);
   } else if (operation == "paste") {
-    if (!studio.stamp_source) throw_needs(operation, "a rectangle, dragged with the stamp first,");
+    if (!studio.stamp_source) throw_needs(operation, "a rectangle dragged with the tool 'stamp'");
     const EditState& state = studio.snapshot->after;
     return make_stamp_layer(*studio.stamp_source, {0.5 * state.width * state.pixel_pitch_mm,
                                                    0.5 * state.height * state.pixel_pitch_mm});
   } else if (operation == "interpolate") {
-    throw_needs(operation, "a scribble first, which it then spreads (write its strokes as text)");
+    return make_interpolation(studio);
   } else if (operation == "hallucinate") {
     throw_needs(operation, "a photograph: choose File, Material from photograph");
   } else if (operation == "resample") {
@@ -266,7 +151,7 @@ void hallucinate(Studio& studio, const std::string& photograph) {
   set(layer, "pins", Document::Array{std::move(pin)});
   // At the end: it makes a map of its own from all that is below.
   studio.selected_layer.reset();
-  add_layer(studio, std::move(layer));
+  add_layer(studio, layer);
   report(studio, "a material from " + std::filesystem::path(photograph).filename().string() +
                      " with the range of the inspected pixel");
 }
@@ -274,15 +159,22 @@ void hallucinate(Studio& studio, const std::string& photograph) {
 void extend_stroke(Studio& studio, double x_mm, double y_mm, bool on_second) {
   if (studio.snapshot == nullptr || (on_second && studio.second == nullptr)) return;
   const EditState& state = on_second ? studio.second->state : studio.snapshot->after;
-  studio.stroke.tool = studio.tool;
-  studio.stroke.on_second = on_second;
-  studio.stroke.points.push_back({std::clamp(x_mm, 0.0, state.width * state.pixel_pitch_mm),
-                                  std::clamp(y_mm, 0.0, state.height * state.pixel_pitch_mm)});
+  Stroke& stroke = studio.stroke;
+  stroke.tool = studio.tool;
+  stroke.on_second = on_second;
+  if (stroke.lines.empty() || stroke.ended) stroke.lines.emplace_back();
+  stroke.ended = false;
+  stroke.lines.back().push_back({std::clamp(x_mm, 0.0, state.width * state.pixel_pitch_mm),
+                                 std::clamp(y_mm, 0.0, state.height * state.pixel_pitch_mm)});
+}
+
+void break_stroke(Studio& studio) {
+  studio.stroke.ended = true;
 }
 
 void finish_stroke(Studio& studio) {
   Stroke drawn = std::exchange(studio.stroke, {});
-  if (drawn.points.empty() || studio.snapshot == nullptr) return;
+  if (drawn.lines.empty() || studio.snapshot == nullptr) return;
   studio.waiting_strokes.push_back(std::move(drawn));
   apply_strokes(studio);
 }
@@ -343,10 +235,9 @@ void set_shape_point(Studio& studio, double u, double factor) {
     if (std::abs(at - u) < 1e-9) point = Document(Document::Array{u, factor});
   }
   set(changed, "scale", std::move(points));
-  if (!changes) return add_layer(studio, std::move(changed));
-  studio.editor->post("shape curve", set_layer(*studio.selected_layer, std::move(changed)),
-                      fmt::format("shape {} {}", *studio.selected_layer, studio.drags));
-  touch_map(studio);
+  if (!changes) return add_layer(studio, changed);
+  change_layer(studio, std::move(changed), "shape curve",
+               fmt::format("shape {} {}", *studio.selected_layer, studio.drags));
 }
 
 }  // namespace parian

@@ -3,8 +3,11 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/studio/probe.h"
@@ -14,6 +17,8 @@
 
 namespace parian {
 
+struct Ui;
+
 // A choice of files by walking through folders.
 struct FileDialog {
   enum class Action {
@@ -21,6 +26,7 @@ struct FileDialog {
     open_second,
     open_layer,
     open_photograph,
+    choose,
     save_recipe,
     save_scene,
     save_map,
@@ -30,6 +36,8 @@ struct FileDialog {
   Action action = Action::open;
   bool wants_open = false;
   std::string folder, name;
+  std::string title;  // of `choose`
+  std::function<void(Ui&, const std::string& path)> then;
 };
 
 struct Ui {
@@ -46,10 +54,13 @@ struct Ui {
   std::string screenshot_path;
   // The layer whose text is being edited, and the text.
   std::optional<std::size_t> text_layer;
-  std::string text;
-  std::string edited_key;                         // of the parameter that was changed last
-  std::optional<double> shape_drag;               // the point of the shape curve that is held
-  std::vector<std::array<float, 2>> view_stroke;  // a stroke on the mesh, on the screen
+  std::string text, text_before;
+  std::array<double, 2> bounds{};                      // of the property that a threshold compares
+  std::array<std::uint64_t, 4> bounds_of{};            // map, its state, property and channel
+  std::string edited_key;                              // of the parameter that was changed last
+  std::pair<std::size_t, std::size_t> history_seen{};  // position and rows: what is new is shown
+  std::optional<double> shape_drag;                    // the point of the shape curve that is held
+  std::vector<std::array<float, 2>> view_stroke;       // a stroke on the mesh, on the screen
 };
 
 void draw_menu(Ui& ui);
@@ -74,10 +85,21 @@ bool draw_quit(Ui& ui);
 void handle_shortcuts(Ui& ui);
 void start_dialog(Ui& ui, FileDialog::Action action, const std::string& name);
 void save_present_recipe(Ui& ui);
+// Any file, for what `then` does with it.
+void choose_file(Ui& ui, const std::string& title,
+                 std::function<void(Ui&, const std::string& path)> then);
 
 // Sliders for described parameters inside a document: sets changed keys there and returns true.
 // `ended`: a drag was let go.
 bool draw_params(Ui& ui, const ParamList& params, Document& document, bool& ended);
+
+// The same for the many of strokes: most of them are folded away.
+bool draw_folded_params(Ui& ui, const ParamList& params, Document& document, bool& ended);
+
+// The selection of a layer, and strokes under "strokes", with parameters of their own or without.
+bool draw_place(Ui& ui, Document& part, const char* key, bool& ended);
+bool draw_selection_form(Ui& ui, Document& layer, bool& ended);
+bool draw_stroke_list(Ui& ui, Document& holder, bool with_adjust, bool& ended);
 
 // The item that ImGui drew last, for scripted runs.
 void mark(Probe& probe, const std::string& name);

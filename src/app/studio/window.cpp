@@ -87,8 +87,7 @@ Window::Window(const WindowParams& params) : impl_(std::make_unique<Impl>()) {
   glfwSetWindowUserPointer(impl_->window, impl_.get());
   glfwSetDropCallback(impl_->window, [](GLFWwindow* window, int count, const char** paths) {
     const auto* impl = static_cast<Impl*>(glfwGetWindowUserPointer(window));
-    for (int i = 0; i < count; ++i)
-      if (impl->params.on_drop) impl->params.on_drop(paths[i]);
+    if (impl->params.on_drop) impl->params.on_drop({paths, paths + count});
   });
   float x = 1, y = 1;
   glfwGetWindowContentScale(impl_->window, &x, &y);

@@ -19,7 +19,8 @@ struct WindowParams {
   int width = 1440, height = 900;
   double scale = 0;  // of text and widgets; 0: the display's
   std::string title;
-  std::function<void(const std::string& path)> on_drop;  // files dropped on the window
+  // Files dropped on the window.
+  std::function<void(const std::vector<std::string>& paths)> on_drop;
 };
 
 class Window {
