@@ -115,6 +115,34 @@ std::array<double, 3> integrate_near(const ReferenceProfile& reference, double n
   return integral;
 }
 
+const SplatProgram& choose_program(const SplatPrograms& programs, int targets, bool is_bare) {
+  if (targets == 1) return is_bare ? programs.bare_group : programs.group;
+  if (is_bare) return programs.bare_single;
+  return targets == 2 ? programs.single : programs.single_mean;
+}
+
+void bind_emitters(const Program& program, const Sources& sources, const SplatInput& input,
+                   int level) {
+  const SourceLevel& source = sources.levels[static_cast<std::size_t>(level)];
+  set_uniform(program, "weight_place", std::vector<Vec4>{input.radial.weight_place(level)});
+  bind_texture(program, "source_positions", 2, source.positions);
+  bind_texture(program, "source_fit_0", 3, source.fit[0]);
+  bind_texture(program, "source_fit_1", 4, source.fit[1]);
+  bind_texture(program, "source_fit_2", 5, source.fit[2]);
+  if (level > 0) {
+    const auto& support = input.reference.support_mm;
+    return set_uniform(program, "support", Vec3{support[0], support[1], support[2]});
+  }
+  bind_texture(program, "kernel", 6, input.kernel);
+  bind_texture(program, "source_flux", 7, sources.flux);
+  const double near = input.near.near_mm, mean = input.near.mean_mm;
+  set_uniform(program, "kernel_steps", static_cast<float>(kernel_steps / input.radial.last_mm(0)));
+  set_uniform(program, "near_mm", static_cast<float>(near));
+  set_uniform(program, "near_factor",
+              Vec2{static_cast<float>(1 / (near * near)), static_cast<float>(1 / (mean * mean))});
+  set_uniform(program, "area_mm2", static_cast<float>(sources.area_mm2));
+}
+
 }  // namespace
 
 std::size_t ViewPyramid::bytes() const {
@@ -162,7 +190,8 @@ SplatPrograms make_splat_programs(bool on_software) {
       make_program(screen, {"camera.glsl", "octahedral.glsl", "represent_fragment.glsl"});
   const std::string tiles = fmt::format("TILE {}", tile);
   programs.tiles = make_program(screen, {"tiles_fragment.glsl"}, {tiles});
-  const std::vector<std::string_view> vertex{"camera.glsl", "sources.glsl", "splat_vertex.glsl"};
+  const std::vector<std::string_view> vertex{"camera.glsl", "sources.glsl", "octahedral.glsl",
+                                             "splat_vertex.glsl"};
   const auto make = [&](std::vector<std::string> defines,
                         std::string_view file = "splat_fragment.glsl") {
     const std::vector<std::string_view> fragment{"octahedral.glsl", file};
@@ -240,10 +269,7 @@ void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, cons
   const ViewLevel& view = pyramid.levels[l];
   const SourceLevel& source = sources.levels[l];
   const int targets = level > 0 ? 1 : view.mean.handle.get() == 0 ? 2 : 3;
-  const SplatProgram& of_level = targets == 1   ? (is_bare ? programs.bare_group : programs.group)
-                                 : is_bare      ? programs.bare_single
-                                 : targets == 2 ? programs.single
-                                                : programs.single_mean;
+  const SplatProgram& of_level = choose_program(programs, targets, is_bare);
   const double reach = std::min(input.radial.last_mm(level), input.max_support_mm);
   const bool as_points =
       largest_splat(camera, reach) * view.positions.height <= programs.largest_point;
@@ -251,33 +277,15 @@ void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, cons
   use(program);
   set_camera(program, camera);
   set_uniform(program, "reach", static_cast<float>(reach));
-  set_uniform(program, "weight_place", std::vector<Vec4>{input.radial.weight_place(level)});
+  set_uniform(
+      program, "level_size",
+      Vec2{static_cast<float>(view.positions.width), static_cast<float>(view.positions.height)});
   bind_texture(program, "level_positions", 0, view.positions);
-  bind_texture(program, "source_positions", 2, source.positions);
-  bind_texture(program, "source_fit_0", 3, source.fit[0]);
-  bind_texture(program, "source_fit_1", 4, source.fit[1]);
-  bind_texture(program, "source_fit_2", 5, source.fit[2]);
-  if (level == 0) {
-    bind_texture(program, "kernel", 6, input.kernel);
-    bind_texture(program, "source_flux", 7, sources.flux);
-    const double near = input.near.near_mm, mean = input.near.mean_mm;
-    set_uniform(program, "kernel_steps",
-                static_cast<float>(kernel_steps / input.radial.last_mm(0)));
-    set_uniform(program, "near_mm", static_cast<float>(near));
-    set_uniform(program, "near_factor",
-                Vec2{static_cast<float>(1 / (near * near)), static_cast<float>(1 / (mean * mean))});
-    set_uniform(program, "area_mm2", static_cast<float>(sources.area_mm2));
-  } else {
-    const auto& support = input.reference.support_mm;
-    set_uniform(program, "support", Vec3{support[0], support[1], support[2]});
-  }
+  bind_emitters(program, sources, input, level);
   for (int layer = 0; layer < view.layers; ++layer) {
     bind(view.splat[static_cast<std::size_t>(layer)]);
     for (int i = 0; i < targets; ++i) clear_color(i);
     bind_texture(program, "tiles", 1, view.tiles[static_cast<std::size_t>(layer)]);
-    set_uniform(
-        program, "level_size",
-        Vec2{static_cast<float>(view.positions.width), static_cast<float>(view.positions.height)});
     set_uniform(program, "layer", layer);
     set_additive_blending(true);
     glEnable(GL_DEPTH_TEST);

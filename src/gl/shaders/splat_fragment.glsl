@@ -20,6 +20,7 @@ flat in vec4 splat_fit_1;
 flat in vec4 splat_fit_2;
 layout(location = 0) out vec4 out_sum;  // B; B1
 #ifdef SINGLE
+flat in vec3 splat_normal;
 uniform sampler2D kernel;    // [i] in the middle of step i: log2 A^2; k / w_near
 uniform float kernel_steps;  // from r to i
 uniform vec2 near_factor;    // 1 / near_mm^2, 1 / mean_mm^2
@@ -50,7 +51,7 @@ void main() {
   vec3 log_value = entry.rgb + splat_fit_0.rgb + q * (splat_fit_1.rgb + q * splat_fit_2.rgb);
   vec2 near = max(1.0 - r2 * near_factor, 0.0);
   near *= near;
-  bool is_own_side = dot(unpack_direction(target.w), unpack_direction(splat_position.w)) > 0.0;
+  bool is_own_side = dot(unpack_direction(target.w), splat_normal) > 0.0;
   if (!is_own_side) near = vec2(0.0);
   vec3 value = weight * (1.0 - near.x) * exp2(log_value);
   out_near = near.x * entry.a * vec4(ends, area_mm2);
@@ -59,7 +60,8 @@ void main() {
 #endif
 #else
   vec3 log_value = splat_fit_0.rgb + q * (splat_fit_1.rgb + q * (splat_fit_2.rgb + q * ends));
-  vec3 value = weight * exp2(log_value) * vec3(lessThan(vec3(r), support));
+  vec3 value = weight * exp2(log_value);
+  value *= vec3(lessThan(vec3(r), support));
 #endif
   out_sum = vec4(value, r * (value.r + value.g + value.b));
 }

@@ -17,6 +17,9 @@ flat out vec4 splat_position;
 flat out vec4 splat_fit_0;
 flat out vec4 splat_fit_1;
 flat out vec4 splat_fit_2;
+#ifdef SINGLE
+flat out vec3 splat_normal;
+#endif
 
 uniform sampler2D tiles;  // tiles_fragment.glsl
 uniform vec2 level_size;  // texels
@@ -72,6 +75,9 @@ void main() {
 
   splat_fit_1 = texelFetch(source_fit_1, texel, 0);
   splat_fit_2 = texelFetch(source_fit_2, texel, 0);
+#ifdef SINGLE
+  splat_normal = unpack_direction(splat_position.w);
+#endif
 #ifdef MEAN
   splat_flux = texelFetch(source_flux, texel, 0).rgb;
 #endif
