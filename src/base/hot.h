@@ -4,7 +4,7 @@
 #pragma once
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(PARIAN_NO_CLONES)
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(PARIAN_NO_CLONES)
 #define PARIAN_HOT __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
 #define PARIAN_HOT

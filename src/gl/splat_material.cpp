@@ -110,13 +110,14 @@ void SplatRenderer::Impl::make_material_programs() {
   programs.is_sparse = is_sparse;
 }
 
-// Of layers: a texel for each pixel of the picture.
+// Of layers: a texel for each pixel of the picture. Old until all are there: it can be cancelled.
 void SplatRenderer::Impl::make_pixel_textures(const Progress& progress) {
+  if (is_layered) {
+    const ProfileField field = make_pixel_field(scene, *tracer, camera, params.antialias, progress);
+    of_pixels = std::make_unique<MaterialTextures>(
+        make_material_textures(nullptr, field, radial, area_mm2, near.near_mm));
+  }
   pixels_are_old = false;
-  if (!is_layered) return;
-  const ProfileField field = make_pixel_field(scene, *tracer, camera, params.antialias, progress);
-  of_pixels = std::make_unique<MaterialTextures>(
-      make_material_textures(nullptr, field, radial, area_mm2, near.near_mm));
 }
 
 }  // namespace parian

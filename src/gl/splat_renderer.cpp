@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "base/stopwatch.h"
@@ -199,8 +200,10 @@ void SplatRenderer::set_material(const Material& material,
 void SplatRenderer::set_lights(const std::vector<Light>& lights, const Progress& progress) {
   Impl& impl = *impl_;
   Stopwatch watch;
-  impl.lit = make_light_objects(lights, impl.scene, impl.mesh_buffers, impl.params.shadow_size,
-                                impl.params.lights == LightMode::mapped);
+  // The lights before stay whole when this is cancelled.
+  LightObjects lit =
+      make_light_objects(lights, impl.scene, impl.mesh_buffers, impl.params.shadow_size,
+                         impl.params.lights == LightMode::mapped);
   if (impl.params.lights == LightMode::traced) {
     impl.trace_flux(lights, progress);
   } else {
@@ -210,6 +213,7 @@ void SplatRenderer::set_lights(const std::vector<Light>& lights, const Progress&
       impl.trace_flux({next.begin(), next.end()}, progress);
     impl.flux_is_kept = true;
   }
+  impl.lit = std::move(lit);
   impl.scene.lights = lights;
   impl.put_flux();
   impl.report.irradiance_s = watch.lap();

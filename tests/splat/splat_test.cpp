@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/error.h"
 #include "tests/splat/compare_pictures.h"
 #include "tests/splat/scenes.h"
 
@@ -128,6 +129,51 @@ TEST(Splat, LayersFollowMaterialAndCamera) {
     changed.draw();
     EXPECT_EQ(renderer.read().values, changed.read().values) << opacity;
   }
+}
+
+// Gives up at the n-th question; true: it was asked as often.
+template <typename Work>
+bool cancel_at(int n, const Work& work) {
+  int asked = 0;
+  try {
+    work(Progress{.is_cancelled = [&] { return asked++ == n; }});
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind, ErrorKind::cancelled);
+  }
+  return asked > n;
+}
+
+// Wherever a picture of layers, or the light, is given up, the next one is whole.
+TEST(Splat, WhatIsCancelledLeavesNothingBehind) {
+  Scene scene =
+      make_scene(make_knot(1), Material(make_chequered_map()), {make_sun({1, 2, 1}), make_sky()});
+  SurfaceLayer layer;
+  layer.material = std::make_shared<const Material>(make_mixed_blend());
+  layer.mask = {{GradientMask{{-15, 0, 0}, {15, 0, 0}}}};
+  scene.layers = {layer};
+  scene.specular.enabled = true;
+  scene.camera.width = 80;
+  scene.camera.height = 60;
+  SplatParams params = make_params();
+  params.samples = 3000;
+  const OffscreenContext context;
+  SplatRenderer fresh(context.limits(), scene, params);
+  fresh.draw();
+  const Image wanted = fresh.read();
+  int stages = 0;
+  for (bool was_asked = true; was_asked; ++stages) {
+    SplatRenderer renderer(context.limits(), scene, params);
+    was_asked = cancel_at(stages, [&](const Progress& p) { renderer.draw(true, p); });
+    renderer.draw(true);
+    EXPECT_EQ(renderer.read().values, wanted.values) << stages;
+  }
+  EXPECT_GT(stages, 2);
+  // The lights before, where others were given up.
+  EXPECT_TRUE(cancel_at(0, [&](const Progress& p) {
+    fresh.set_lights({make_sun({-1, 1, 1})}, p);
+  }));
+  fresh.draw(true);
+  EXPECT_EQ(fresh.read().values, wanted.values);
 }
 
 // So near that splats cover more than the largest points, and some lie around the camera.

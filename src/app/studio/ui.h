@@ -99,6 +99,8 @@ bool draw_folded_params(Ui& ui, const ParamList& params, Document& document, boo
 // The selection of a layer, and strokes under "strokes", with parameters of their own or without.
 bool draw_place(Ui& ui, Document& part, const char* key, bool& ended);
 bool draw_selection_form(Ui& ui, Document& layer, bool& ended);
+// The bounds of a threshold, each on a slider of the property's range.
+bool draw_threshold(Ui& ui, const ParamList& params, Document& part, bool& ended);
 bool draw_stroke_list(Ui& ui, Document& holder, bool with_adjust, bool& ended);
 
 // The item that ImGui drew last, for scripted runs.
