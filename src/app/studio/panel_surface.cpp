@@ -171,7 +171,7 @@ void draw_surface(Ui& ui) {
     if (i < studio.layers.size()) draw_row(ui, i);
   ImGui::TextDisabled("%s", studio.is_homogeneous ? "homogeneous material" : "the edited map");
   if (studio.is_homogeneous && !shown_layers(studio).empty())
-    ImGui::TextWrapped("Under layers no transport is computed before: edits are splatted.");
+    ImGui::TextWrapped("Under layers there is no precomputed transport: edits are splatted.");
   if (studio.selected_stage_layer && *studio.selected_stage_layer < studio.layers.size()) {
     ImGui::Separator();
     draw_layer(ui, *studio.selected_stage_layer);
