@@ -98,8 +98,7 @@ struct SceneFile : testing::Test {
   StateFolder folder;
   Studio studio;
   SceneFile() {
-    start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-    make_small(studio);
+    start_small(studio, folder);
     studio.use_transport = false;
     studio.still = Still::draft;
   }
@@ -289,8 +288,7 @@ void expect_recovery(std::size_t layers) {
   Orbit orbit;
   {
     Studio studio;
-    start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-    make_small(studio);
+    start_small(studio, folder);
     studio.use_transport = false;
     studio.still = Still::draft;
     run(studio);
@@ -307,8 +305,7 @@ void expect_recovery(std::size_t layers) {
     orbit = studio.orbit;
   }
   Studio studio;
-  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-  make_small(studio);
+  start_small(studio, folder);
   studio.use_transport = false;
   studio.still = Still::draft;
   ASSERT_TRUE(studio.recoverable);

@@ -161,8 +161,7 @@ TEST(FlatPicture, PairsAreAllOfAPixel) {
 TEST(Studio, StartsWithTheBundledSampleAndTakesStrokes) {
   const StateFolder folder;
   Studio studio;
-  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-  make_small(studio);
+  start_small(studio, folder);
   run(studio);
   ASSERT_NE(studio.picture, nullptr);
   EXPECT_EQ(studio.picture->width, 64);
@@ -205,16 +204,14 @@ TEST(Studio, RecoversWhatWasNotSaved) {
   const StateFolder folder;
   {
     Studio studio;
-    start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-    make_small(studio);
+    start_small(studio, folder);
     add_layer(studio, make_adjust(0.5));
     studio.editor->wait();
     run(studio);
     update(studio, studio.last_change_s + 10);
   }
   Studio studio;
-  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-  make_small(studio);
+  start_small(studio, folder);
   ASSERT_TRUE(studio.recoverable);
   recover(studio);
   run(studio);
@@ -268,8 +265,7 @@ TEST(Studio, LeavesAutosavesOfRunningEditorsAlone) {
 TEST(Studio, RecipesWaitForTheMapThatTheyComeWith) {
   const StateFolder folder;
   Studio studio;
-  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-  make_small(studio);
+  start_small(studio, folder);
   studio.still = Still::draft;
   run(studio);
   const std::string map = folder.path + "/small.h5", recipe = folder.path + "/a.json";
@@ -290,8 +286,7 @@ TEST(Studio, RecipesWaitForTheMapThatTheyComeWith) {
 TEST(Studio, CompressionsAreInOrder) {
   const StateFolder folder;
   Studio studio;
-  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-  make_small(studio);
+  start_small(studio, folder);
   studio.compression.bases = 16;
   compress_map(studio);
   run(studio);
@@ -317,8 +312,7 @@ TEST(Studio, CompressionsAreInOrder) {
 TEST(Studio, ARecipeThatFailsLeavesThePresentOne) {
   const StateFolder folder;
   Studio studio;
-  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-  make_small(studio);
+  start_small(studio, folder);
   add_layer(studio, make_adjust(2));
   studio.editor->wait();
   const std::string path = folder.path + "/recipe.json";

@@ -9,8 +9,7 @@ namespace {
 TEST(Studio, UndoesTheLightBesideTheRecipe) {
   const StateFolder folder;
   Studio studio;
-  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-  make_small(studio);
+  start_small(studio, folder);
   run(studio);
   const Lighting first = studio.lighting;
   Lighting turned = first;
@@ -51,8 +50,7 @@ void rest(Studio& studio) {
 TEST(Studio, UndoesTheCameraBesideTheRecipe) {
   const StateFolder folder;
   Studio studio;
-  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-  make_small(studio);
+  start_small(studio, folder);
   studio.still = Still::draft;
   rest(studio);
   const Orbit first = studio.orbit;
@@ -104,8 +102,7 @@ TEST(Studio, UndoesTheCameraBesideTheRecipe) {
 TEST(Studio, ViewsOfAnotherMeshAreForgotten) {
   const StateFolder folder;
   Studio studio;
-  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
-  make_small(studio);
+  start_small(studio, folder);
   studio.still = Still::draft;
   rest(studio);
   turn(studio.orbit, 10, 5, 100);

@@ -56,4 +56,10 @@ inline void make_small(Studio& studio) {
   studio.view_height = 48;
 }
 
+// As the program does, with its state in `folder`.
+inline void start_small(Studio& studio, const StateFolder& folder) {
+  start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
+  make_small(studio);
+}
+
 }  // namespace parian

@@ -51,7 +51,6 @@ struct Ui {
   bool shows_help = false;
   bool wants_quit = false;
   bool wants_screenshot = false;
-  std::string screenshot_path;
   // The layer whose text is being edited, and the text.
   std::optional<std::size_t> text_layer;
   std::string text, text_before;
