@@ -110,6 +110,13 @@ TEST(Shaders, UseNothingBeyondGlslEs300) {
       EXPECT_EQ(shader_source(name).find(word), std::string_view::npos) << name << ": " << word;
 }
 
+// Of numbers 0 and 1 instead, some drivers make a + t (b - a), which has lost b where a is large.
+TEST(Shaders, MixByBooleansAndNotByNumbersMadeOfThem) {
+  for (const std::string_view name : shader_names())
+    for (const char* word : {", vec3(lessThan", ", vec3(greaterThan", ", vec3(equal"})
+      EXPECT_EQ(shader_source(name).find(word), std::string_view::npos) << name << ": " << word;
+}
+
 // WebGL 2 promises 16 texture units to a fragment shader and four colour targets.
 TEST(Shaders, KeepToTheUnitsThatEveryDeviceHas) {
   const auto count = [](const Files& files) {

@@ -94,5 +94,5 @@ vec3 cut_log(vec3 support, int node) {
   float before = node_r[max(0, node - 1)], step = max(node_r[node] - before, 1e-6);
   vec3 f = clamp((support - before) / step, 0.05, 1.0);
   vec3 k = (1.0 - f) * (1.0 + 1.15 * f) / f;
-  return mix(-k, vec3(-20.0), vec3(lessThanEqual(support, vec3(before))));
+  return mix(-k, vec3(-20.0), lessThanEqual(support, vec3(before)));
 }

@@ -122,7 +122,7 @@ void main() {
 #ifdef SINGLE
   vec3 n = mix_corners(corners, near_count);
   vec3 log_integral = mix_corners(corners, near_integral);
-  vec3 limit = mix(vec3(1e30), 1.0 + 2.0 / max(n - 1.0, 1e-6), vec3(greaterThan(n, vec3(1.0))));
+  vec3 limit = mix(vec3(1e30), 1.0 + 2.0 / max(n - 1.0, 1e-6), greaterThan(n, vec3(1.0)));
   vec3 scale = clamp(vec3(1.0 / max(sums.near.a, 1e-30)), 1.0 / limit, limit);
   vec3 close = scale * sums.near.rgb * exp(0.5 * log_integral);
 #ifdef MEAN
