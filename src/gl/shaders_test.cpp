@@ -117,6 +117,9 @@ TEST(Shaders, KeepToTheUnitsThatEveryDeviceHas) {
   EXPECT_LE(count({"splat_vertex.glsl"}) + count({"splat_fragment.glsl"}), 16u);
   EXPECT_LE(count({"fresnel.glsl", "reflector.glsl", "lamp.glsl", "lamp_reflection_fragment.glsl"}),
             16u);
+  EXPECT_LE(count({"fresnel.glsl", "reflector.glsl", "sky.glsl", "self_occlusion.glsl",
+                   "sky_reflection_fragment.glsl"}),
+            16u);
 }
 
 }  // namespace

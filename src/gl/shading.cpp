@@ -35,6 +35,7 @@ void reflect(const PictureTargets& targets, const ShadingPrograms& programs,
       const Program& program = use_reflector(programs.sky_reflection, targets, input);
       set_uniform(program, "rays", input.reflection_rays);
       bind_sky(program, sky, 3);
+      bind_self_occlusion(program, input.occlusion, 4);
       draw_screen_on_surface();
     }
   }
@@ -98,9 +99,9 @@ ShadingPrograms make_shading_programs() {
   programs.shade = make_program({"screen_vertex.glsl"}, {"fresnel.glsl", "shade_fragment.glsl"});
   programs.reflection = make_lamp_program({"fresnel.glsl", "octahedral.glsl", "reflector.glsl",
                                            "lamp.glsl", "lamp_reflection_fragment.glsl"});
-  programs.sky_reflection =
-      make_program({"screen_vertex.glsl"}, {"fresnel.glsl", "octahedral.glsl", "reflector.glsl",
-                                            "sky.glsl", "sky_reflection_fragment.glsl"});
+  programs.sky_reflection = make_program(
+      {"screen_vertex.glsl"}, {"fresnel.glsl", "octahedral.glsl", "reflector.glsl", "sky.glsl",
+                               "self_occlusion.glsl", "sky_reflection_fragment.glsl"});
   programs.sky_background = make_program(
       {"screen_vertex.glsl"}, {"camera.glsl", "sky.glsl", "sky_background_fragment.glsl"});
   return programs;
@@ -121,6 +122,14 @@ LightObjects make_light_objects(const std::vector<Light>& lights, const Scene& s
     }
   }
   return objects;
+}
+
+bool reflects_environments(const Scene& scene) {
+  const auto is_environment = [](const Light& light) {
+    return std::holds_alternative<EnvironmentLight>(light);
+  };
+  return scene.specular.enabled &&
+         std::any_of(scene.lights.begin(), scene.lights.end(), is_environment);
 }
 
 void shade(const PictureTargets& targets, const ShadingPrograms& programs,

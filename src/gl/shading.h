@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gl/lamps.h"
+#include "gl/self_occlusion.h"
 #include "gl/surface_view.h"
 #include "material/profile_map.h"
 #include "scene/scene.h"
@@ -47,10 +48,14 @@ struct LightObjects {
 LightObjects make_light_objects(const std::vector<Light>& lights, const Scene& scene,
                                 const MeshBuffers& mesh, int shadow_size, bool with_flux);
 
+// Whether reflections ask what the object hides of an environment.
+bool reflects_environments(const Scene& scene);
+
 struct ShadingInput {
   const Scene& scene;  // its exposure, background, environment and specular
   const SplatCamera& camera;
   const LightObjects& lights;
+  const SelfOcclusion& occlusion;  // made where reflects_environments
   Boundary boundary = Boundary::excluded;
   double eta = 1.3;
   int reflection_rays = 16;

@@ -215,6 +215,8 @@ void SplatRenderer::set_lights(const std::vector<Light>& lights, const Progress&
   }
   impl.lit = std::move(lit);
   impl.scene.lights = lights;
+  if (impl.occlusion.heights.layers == 0 && reflects_environments(impl.scene))
+    impl.occlusion = make_self_occlusion(make_height_maps(impl.scene.mesh));
   impl.put_flux();
   impl.report.irradiance_s = watch.lap();
 }

@@ -54,6 +54,7 @@ struct SplatRenderer::Impl {
   Sources sources;
   std::vector<Rgb> flux;  // traced: of all lights, or of environments alone
   LightObjects lit;
+  SelfOcclusion occlusion;
   bool flux_is_kept = false;
   bool groups_are_old = true;
 
@@ -79,7 +80,8 @@ struct SplatRenderer::Impl {
   void make_view();
   void resolve(int level);
   ShadingInput shading_input() const {
-    return {scene, camera, lit, material->boundary, material->eta, params.reflection_rays};
+    return {
+        scene, camera, lit, occlusion, material->boundary, material->eta, params.reflection_rays};
   }
   TexelSizes texel_sizes() const { return {std::sqrt(area_mm2), params.texel, params.group_texel}; }
   SplatInput input() const { return {radial, material->reference, kernel, near, max_support_mm}; }
