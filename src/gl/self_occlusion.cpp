@@ -5,50 +5,14 @@
 
 #include "base/hot.h"
 #include "base/parallel.h"
-#include "base/random.h"
+#include "mesh/surface_samples.h"
 
 namespace parian {
 namespace {
 
 constexpr std::size_t directions = occlusion_side * occlusion_side;
 constexpr std::size_t map_texels = std::size_t{occlusion_size} * occlusion_size;
-constexpr std::size_t spread_points = 150'000;
-
-// Areas of the triangles up to each.
-std::vector<double> sum_areas(const TriangleMesh& mesh) {
-  std::vector<double> sums;
-  sums.reserve(mesh.triangles.size());
-  double sum = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3 first = mesh.positions[a];
-    sum += 0.5 *
-           static_cast<double>(length(cross(mesh.positions[b] - first, mesh.positions[c] - first)));
-    sums.push_back(sum);
-  }
-  return sums;
-}
-
-// One in each of as many equal parts of the area.
-std::vector<Vec3> spread_over(const TriangleMesh& mesh) {
-  const std::vector<double> sums = sum_areas(mesh);
-  std::vector<Vec3> points(spread_points);
-  std::size_t triangle = 0;
-  for (std::size_t i = 0; i < spread_points; ++i) {
-    const double wanted =
-        sums.back() * (static_cast<double>(i) + 0.5) / static_cast<double>(spread_points);
-    while (triangle + 1 < sums.size() && sums[triangle] < wanted) ++triangle;
-    auto u = static_cast<float>(hash_to_uniform(hash_u64(i, 0)));
-    auto v = static_cast<float>(hash_to_uniform(hash_u64(i, 1)));
-    if (u + v > 1) {
-      u = 1 - u;
-      v = 1 - v;
-    }
-    const auto& [a, b, c] = mesh.triangles[triangle];
-    const Vec3 first = mesh.positions[a];
-    points[i] = first + (mesh.positions[b] - first) * u + (mesh.positions[c] - first) * v;
-  }
-  return points;
-}
+constexpr std::size_t point_count = 150'000;
 
 // `points` in units of the sphere's radius.
 PARIAN_HOT void draw_heights(const Vec3* points, std::size_t count, const Frame& frame,
@@ -98,7 +62,7 @@ HeightMaps make_height_maps(const TriangleMesh& mesh) {
   maps.middle = center(box);
   maps.radius_mm = 0.51f * diagonal(box);
   maps.heights.assign(directions * map_texels, 0);
-  std::vector<Vec3> points = spread_over(mesh);
+  std::vector<Vec3> points = spread_points(mesh, point_count);
   for (Vec3& point : points) point = (point - maps.middle) / maps.radius_mm;
   parallel_for(directions, [&](std::size_t i) {
     const auto index = static_cast<int>(i);

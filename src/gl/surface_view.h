@@ -8,6 +8,7 @@
 
 namespace parian {
 
+// In an order of its own; attribute 3 of the vertices is their index in the mesh.
 struct MeshBuffers {
   GlHandle<destroy_vertex_array> vertex_array;
   GlHandle<destroy_buffer> vertices, indices;
