@@ -95,7 +95,7 @@ void LiveRenderer::Impl::draw_exitance() {
   use(program);
   parian::set_camera(program, camera);
   bind_texture(program, "place_exitance", 0, transport.exitance);
-  draw_mesh(mesh);
+  draw_mesh(mesh, camera.frame.position);
   check_gl("picture");
 }
 

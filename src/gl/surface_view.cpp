@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mesh/closed.h"
 #include "mesh/surface_samples.h"
 
 namespace parian {
@@ -48,6 +49,10 @@ DrawOrder make_draw_order(const TriangleMesh& mesh) {
   return order;
 }
 
+bool contains(const Bounds3& box, Vec3 p) {
+  return min(box.lower, p) == box.lower && max(box.upper, p) == box.upper;
+}
+
 struct DeviceVertex {
   Vec3 position, normal;
   Vec2 texcoord;
@@ -68,6 +73,7 @@ std::vector<DeviceVertex> make_vertices(const TriangleMesh& mesh, const DrawOrde
 MeshBuffers make_mesh_buffers(const TriangleMesh& mesh) {
   MeshBuffers buffers;
   buffers.box = bounds(mesh);
+  buffers.is_watertight = is_watertight(mesh);
   GLuint name = 0;
   glGenVertexArrays(1, &name);
   buffers.vertex_array = GlHandle<destroy_vertex_array>(name);
@@ -84,21 +90,27 @@ MeshBuffers make_mesh_buffers(const TriangleMesh& mesh) {
   }
   glEnableVertexAttribArray(3);
   glVertexAttribIPointer(3, 1, GL_UNSIGNED_INT, sizeof(DeviceVertex), offset);
-  buffers.indices =
-      GlHandle<destroy_buffer>(fill_buffer(GL_ELEMENT_ARRAY_BUFFER, order.triangles));
+  buffers.indices = GlHandle<destroy_buffer>(fill_buffer(GL_ELEMENT_ARRAY_BUFFER, order.triangles));
   buffers.index_count = static_cast<int>(3 * mesh.triangles.size());
   glBindVertexArray(0);
   check_gl("mesh");
   return buffers;
 }
 
-void draw_mesh(const MeshBuffers& mesh) {
+void draw_mesh(const MeshBuffers& mesh, std::optional<Vec3> eye) {
+  const bool is_one_sided = mesh.is_watertight && !(eye && contains(mesh.box, *eye));
+  if (is_one_sided) {
+    glEnable(GL_CULL_FACE);
+    glFrontFace(GL_CW);
+    glCullFace(GL_BACK);
+  }
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
   glDepthMask(GL_TRUE);
   glBindVertexArray(mesh.vertex_array.get());
   glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
   glBindVertexArray(0);
+  glDisable(GL_CULL_FACE);
 }
 
 SplatCamera make_splat_camera(const Camera& camera, int antialias, const Bounds3& box) {
@@ -167,7 +179,7 @@ void draw_geometry(const GeometryBuffer& buffer, const Program& program, const M
   use(program);
   set_camera(program, camera);
   set_mapping(program, mapping, grid);
-  draw_mesh(mesh);
+  draw_mesh(mesh, camera.frame.position);
   check_gl("geometry buffer");
 }
 
