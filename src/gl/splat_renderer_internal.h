@@ -78,7 +78,7 @@ struct SplatRenderer::Impl {
   void put_flux();
   void make_groups();
   void make_view();
-  void resolve(int level);
+  void resolve(int first, int count);
   ShadingInput shading_input() const {
     return {
         scene, camera, lit, occlusion, material->boundary, material->eta, params.reflection_rays};
