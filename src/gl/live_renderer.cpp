@@ -62,6 +62,7 @@ struct LiveRenderer::Impl {
   explicit Impl(const HomogeneousTransport& made) : projection(made), eta(made.eta) {}
   void make_lights() {
     lights = make_light_objects(scene.lights, scene, mesh, params.shadow_size, false);
+    targets.reflections_are_old = true;
   }
   void update_vertices();
   void draw_view();
@@ -185,7 +186,7 @@ void LiveRenderer::set_light(std::size_t index, const Light& light,
 void LiveRenderer::set_camera(const Camera& camera) {
   Impl& impl = *impl_;
   impl.camera = make_splat_camera(camera, impl.params.antialias, impl.mesh.box);
-  impl.view_is_old = true;
+  impl.view_is_old = impl.targets.reflections_are_old = true;
   if (impl.cpu != nullptr && (impl.has_single || impl.cpu->view.value.empty()))
     impl.cpu->view =
         make_transport_view(impl.cpu->positions, impl.cpu->normals, impl.camera.frame.position,

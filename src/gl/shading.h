@@ -17,11 +17,13 @@ Param describe_antialias(int& antialias);
 Param describe_shadow_size(int& shadow_size);
 Param describe_reflection_rays(int& reflection_rays);
 
-// What is drawn to: `exitance` pi / T times radiance, in [row][column] of all pixels drawn.
+// What is drawn to: `exitance` pi / T times radiance, in [row][column] of all pixels drawn;
+// `reflections` without exposure, kept until view, lights or eta change.
 struct PictureTargets {
   GeometryBuffer geometry;
-  Texture exitance, radiance;
-  Framebuffer exitance_target, radiance_target;  // share the geometry's depth
+  Texture exitance, reflections, radiance;
+  Framebuffer exitance_target, reflection_target, radiance_target;  // share the geometry's depth
+  bool reflections_are_old = true;
 };
 PictureTargets make_picture_targets(int width, int height);
 
@@ -61,8 +63,7 @@ struct ShadingInput {
   int reflection_rays = 16;
 };
 // Into targets.radiance: linear radiance times 2^exposure, and 1 where the mesh is.
-void shade(const PictureTargets& targets, const ShadingPrograms& programs,
-           const ShadingInput& input);
+void shade(PictureTargets& targets, const ShadingPrograms& programs, const ShadingInput& input);
 
 // The mean over n x n pixels drawn; `coverage` gets that of their fourth component.
 Image read_picture(const Framebuffer& radiance, int antialias, std::vector<float>& coverage);

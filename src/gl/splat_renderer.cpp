@@ -223,6 +223,7 @@ void SplatRenderer::set_lights(const std::vector<Light>& lights, const Progress&
   }
   impl.lit = std::move(lit);
   impl.scene.lights = lights;
+  impl.targets.reflections_are_old = true;
   if (impl.occlusion.heights.layers == 0 && reflects_environments(impl.scene))
     impl.occlusion = make_self_occlusion(make_height_maps(impl.scene.mesh));
   impl.put_flux();
@@ -233,6 +234,7 @@ void SplatRenderer::set_camera(const Camera& camera) {
   impl_->camera = make_splat_camera(camera, impl_->params.antialias, impl_->mesh_buffers.box);
   impl_->view_is_old = impl_->pixels_are_old = true;
   impl_->geometry_is_drawn = false;
+  impl_->targets.reflections_are_old = true;
 }
 
 void SplatRenderer::set_exposure(double stops) {

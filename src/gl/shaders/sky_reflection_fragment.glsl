@@ -1,6 +1,5 @@
 // Reflection of an environment: visible normals (Heitz 2018), each looked up in the picture at the
 // resolution of its share of the lobe, where the object does not hide it.
-uniform float exposure;
 uniform int rays;
 layout(location = 0) out vec4 radiance;
 
@@ -54,5 +53,5 @@ void main() {
     float lod = 0.5 * log2(max(1.0, 1.0 / (float(rays) * pdf * texel_angle)));
     sum += f / pdf * textureLod(sky, sky_place(light), lod).rgb;
   }
-  radiance = vec4(exposure / float(rays) * sky_scale * sum, 0.0);
+  radiance = vec4(sky_scale * sum / float(rays), 0.0);
 }
