@@ -124,6 +124,7 @@ void SplatRenderer::Impl::resolve(int first, int count) {
   bind(targets.exitance_target);
   if (first == 0) clear_color(0);
   use(program);
+  parian::set_camera(program, camera);
   bind_texture(program, "positions", 0, geometry.positions);
   bind_texture(program, "normals", 1, geometry.normals);
   bind_texture(program, "places", 2, geometry.places);
@@ -133,10 +134,12 @@ void SplatRenderer::Impl::resolve(int first, int count) {
   for (int i = 0; i < (first == 0 ? 1 : 2); ++i) {
     const int level = first + std::min(i, count - 1);
     const ViewLevel& view = pyramid.levels[static_cast<std::size_t>(level)];
-    bind_texture(program, fmt::format("level_positions{}", i).c_str(), unit++, view.positions);
-    bind_texture(program, fmt::format("level_sums{}", i).c_str(), unit++, view.sums);
+    const std::string name = fmt::format("level{}_", i);
+    bind_texture(program, (name + "a").c_str(), unit++, view.positions.front());
+    bind_texture(program, (name + "b").c_str(), unit++, view.positions.back());
+    bind_texture(program, (name + "sums").c_str(), unit++, view.sums);
     blocks.push_back(view.block);
-    softness.push_back(static_cast<float>(0.7 * texel_sizes().wanted_mm(level)));
+    softness.push_back(static_cast<float>(texel_sizes().wanted_mm(level)));
   }
   if (first == 0) {
     bind_texture(program, "level_near", unit++, pyramid.levels[0].near);

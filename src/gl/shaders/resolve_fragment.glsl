@@ -10,8 +10,9 @@
 uniform sampler2D positions;
 uniform sampler2D normals;
 uniform sampler2D places;
-uniform sampler2DArray level_positions0;
-uniform sampler2DArray level_sums0;
+uniform sampler2D level0_a;  // positions of the two layers
+uniform sampler2D level0_b;
+uniform sampler2DArray level0_sums;
 #ifdef SINGLE
 const int most_levels = 1;
 uniform sampler2DArray level_near;
@@ -20,8 +21,9 @@ uniform sampler2DArray level_mean;
 #endif
 #else
 const int most_levels = 2;
-uniform sampler2DArray level_positions1;
-uniform sampler2DArray level_sums1;
+uniform sampler2D level1_a;
+uniform sampler2D level1_b;
+uniform sampler2DArray level1_sums;
 uniform int level_count;              // of these
 #endif
 uniform int block[most_levels];       // pixels of a texel's side
@@ -47,30 +49,34 @@ struct Texels {
   bool has_b;
 };
 
-// Squared distance over softness squared; far away where there is nothing.
-float apart(sampler2DArray level_positions, ivec3 texel, bool is_inside, Seen seen, float unit,
+// Squared distance over softness squared; far away where there is nothing. Normals are on the
+// camera's axes.
+float apart(sampler2D level_positions, ivec2 texel, bool is_inside, Seen seen, float unit,
             bool with_normal) {
   vec4 there = texelFetch(level_positions, texel, 0);
   if (!is_inside || there.w <= 0.0) return 1e30;
   vec3 d = (there.xyz - seen.position) / unit;
   float result = dot(d, d);
-  if (with_normal)
-    result += 4.0 * (1.0 - dot(normalize(unpack_direction(there.w)), seen.normal));
+  if (with_normal) {
+    vec2 p = unpack_facing(there.w);
+    float p2 = dot(p, p);
+    result += 4.0 * (1.0 - dot(vec3(2.0 * p, 1.0 - p2), seen.normal) / (1.0 + p2));
+  }
   return result;
 }
 
-vec4 all_apart(sampler2DArray level_positions, Texels at, ivec4 inside, int layer, Seen seen,
-               float unit, bool with_normal) {
+vec4 all_apart(sampler2D level_positions, Texels at, ivec4 inside, Seen seen, float unit,
+               bool with_normal) {
   ivec2 a = at.first, b = at.last;
   bvec4 is = bvec4(inside);
   return vec4(
-      apart(level_positions, ivec3(a, layer), is.x && is.y, seen, unit, with_normal),
-      apart(level_positions, ivec3(b.x, a.y, layer), is.z && is.y, seen, unit, with_normal),
-      apart(level_positions, ivec3(a.x, b.y, layer), is.x && is.w, seen, unit, with_normal),
-      apart(level_positions, ivec3(b, layer), is.z && is.w, seen, unit, with_normal));
+      apart(level_positions, a, is.x && is.y, seen, unit, with_normal),
+      apart(level_positions, ivec2(b.x, a.y), is.z && is.y, seen, unit, with_normal),
+      apart(level_positions, ivec2(a.x, b.y), is.x && is.w, seen, unit, with_normal),
+      apart(level_positions, b, is.z && is.w, seen, unit, with_normal));
 }
 
-Texels find_texels(sampler2DArray level_positions, int level, Seen seen, bool with_normal) {
+Texels find_texels(sampler2D level_a, sampler2D level_b, int level, Seen seen, bool with_normal) {
   Texels at;
   at.has_b = false;
   at.b = vec4(0.0);
@@ -82,16 +88,16 @@ Texels find_texels(sampler2DArray level_positions, int level, Seen seen, bool wi
   // A is the pixel after the middle on both axes.
   vec2 middle = vec2(seen.pixel) / float(block[level]) - 0.5, corner = floor(middle);
   vec2 part = middle - corner;
-  ivec2 last = textureSize(level_positions, 0).xy - 1, first = ivec2(corner);
+  ivec2 last = textureSize(level_a, 0) - 1, first = ivec2(corner);
   at.first = max(first, ivec2(0));
   at.last = min(first + 1, last);
   ivec4 inside = ivec4(greaterThanEqual(first, ivec2(0)), lessThan(first, last));
-  vec4 a = all_apart(level_positions, at, inside, 0, seen, softness[level], with_normal);
+  vec4 a = all_apart(level_a, at, inside, seen, softness[level], with_normal);
   vec4 b = vec4(1e30);
   float most = max(max(a.x, a.y), max(a.z, a.w));
   if (most > 4.0) {  // B only where some A lies on another surface
     at.has_b = true;
-    b = all_apart(level_positions, at, inside, 1, seen, softness[level], with_normal);
+    b = all_apart(level_b, at, inside, seen, softness[level], with_normal);
   }
   vec4 nearer = min(a, b);
   float least = min(min(nearer.x, nearer.y), min(nearer.z, nearer.w));
@@ -142,15 +148,15 @@ vec3 finish(Seen seen, int level, vec4 sum) {
   return sum.rgb * exp(log_ratio_at(seen, level, sum.a / max(all, 1e-30)));
 }
 
-vec3 resolve_group(sampler2DArray level_positions, sampler2DArray level_sums, int level,
+vec3 resolve_group(sampler2D level_a, sampler2D level_b, sampler2DArray level_sums, int level,
                    Seen seen) {
-  Texels at = find_texels(level_positions, level, seen, false);
+  Texels at = find_texels(level_a, level_b, level, seen, false);
   return finish(seen, level, mix_texels(level_sums, at));
 }
 
 #ifdef SINGLE
 vec3 resolve_single(Seen seen) {
-  Texels at = find_texels(level_positions0, 0, seen, true);
+  Texels at = find_texels(level0_a, level0_b, 0, seen, true);
   vec4 near = mix_texels(level_near, at);
   vec3 n = mix_corners(seen.corners, near_count);
   vec3 log_integral = mix_corners(seen.corners, near_integral);
@@ -164,7 +170,7 @@ vec3 resolve_single(Seen seen) {
   close = mix(vec3(0.0), trust * close, greaterThan(trust, vec3(0.0))) +
           (1.0 - trust) * exp(log_integral) * mean.rgb / max(mean.a, 1e-30);
 #endif
-  return close + finish(seen, 0, mix_texels(level_sums0, at));
+  return close + finish(seen, 0, mix_texels(level0_sums, at));
 }
 #endif
 
@@ -172,7 +178,7 @@ void main() {
   Seen seen;
   seen.pixel = ivec2(gl_FragCoord.xy);
   seen.position = texelFetch(positions, seen.pixel, 0).xyz;
-  seen.normal = texelFetch(normals, seen.pixel, 0).xyz;
+  seen.normal = to_camera_axes(texelFetch(normals, seen.pixel, 0).xyz);
 #ifdef PIXELS
   seen.corners.pixel[0] = seen.pixel / PIXELS;
   seen.corners.weight[0] = 1.0;
@@ -184,8 +190,8 @@ void main() {
 #ifdef SINGLE
   vec3 sum = resolve_single(seen);
 #else
-  vec3 sum = resolve_group(level_positions0, level_sums0, 0, seen);
-  if (level_count > 1) sum += resolve_group(level_positions1, level_sums1, 1, seen);
+  vec3 sum = resolve_group(level0_a, level0_b, level0_sums, 0, seen);
+  if (level_count > 1) sum += resolve_group(level1_a, level1_b, level1_sums, 1, seen);
 #endif
   exitance = vec4(sum, 1.0);
 }
