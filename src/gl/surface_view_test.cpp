@@ -45,10 +45,10 @@ TEST(SurfaceView, OfAWatertightMeshIsThatOfAllItsFaces) {
     const Camera camera = look_from(Vec3{0.3f, 0.5f, 3} * diagonal(bounds(mesh)), mesh);
     const std::vector<float> whole = draw(mesh, camera);
     TriangleMesh open = mesh;
-    const auto farthest = std::min_element(
-        open.triangles.begin(), open.triangles.end(), [&](const auto& a, const auto& b) {
-          return mesh.positions[a[0]].z < mesh.positions[b[0]].z;
-        });
+    const auto farthest = std::min_element(open.triangles.begin(), open.triangles.end(),
+                                           [&](const auto& a, const auto& b) {
+                                             return mesh.positions[a[0]].z < mesh.positions[b[0]].z;
+                                           });
     open.triangles.erase(farthest);
     EXPECT_TRUE(make_mesh_buffers(mesh).is_watertight);
     EXPECT_FALSE(make_mesh_buffers(open).is_watertight);
