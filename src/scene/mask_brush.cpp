@@ -60,7 +60,7 @@ VertexMask sample_at_vertices(const SurfaceMask& mask, const TriangleMesh& mesh)
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::uint32_t k = 0; k < 3; ++k) corner_of[mesh.triangles[t][k]] = 3 * t + k;
   VertexMask sampled;
-  sampled.weights.resize(mesh.source.empty() ? mesh.positions.size() : mesh.source_vertices);
+  sampled.weights.resize(count_source_vertices(mesh));
   parallel_for(mesh.positions.size(), [&](std::size_t v) {
     if (corner_of[v] == none) return;
     const SurfacePoint point = get_surface_point(mesh, corner_of[v] / 3, corners[corner_of[v] % 3]);

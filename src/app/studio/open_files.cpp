@@ -191,6 +191,7 @@ void show_stage(Studio& studio, std::shared_ptr<const Stage> stage, const std::s
   studio.stage = std::move(stage);
   studio.mesh_path = path;
   studio.orbit = frame_stage(*studio.stage, studio.view_width, studio.view_height);
+  studio.mask.brush.radius_mm = 0.04 * static_cast<double>(diagonal(studio.stage->box));
   touch_view(studio);
 }
 

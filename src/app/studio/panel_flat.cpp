@@ -20,10 +20,6 @@ constexpr ImU32 negative_color = IM_COL32(255, 60, 220, 255);
 constexpr ImU32 frame_color = IM_COL32(255, 255, 255, 200);
 constexpr ImU32 shadow_color = IM_COL32(0, 0, 0, 160);
 
-bool is_drawing_tool(Tool tool) {
-  return tool != Tool::orbit && tool != Tool::light && tool != Tool::eyedropper;
-}
-
 // White on black: seen on any map.
 void draw_outline(const FlatFrame& frame, const std::array<double, 4>& box) {
   ImDrawList* list = ImGui::GetWindowDrawList();
@@ -67,7 +63,7 @@ void draw_present_stroke(const Studio& studio, const FlatFrame& frame) {
 
 void draw_brush(const Studio& studio, const FlatFrame& frame) {
   const bool is_brush =
-      is_drawing_tool(studio.tool) && studio.tool != Tool::stamp && studio.tool != Tool::select;
+      draws_on_map(studio.tool) && studio.tool != Tool::stamp && studio.tool != Tool::select;
   if (!ImGui::IsItemHovered() || !is_brush) return;
   const auto radius = std::max(1.0f, static_cast<float>(studio.brush_radius_mm) * frame.per_mm);
   ImGui::GetWindowDrawList()->AddCircle(
@@ -89,7 +85,7 @@ void handle_flat_mouse(Ui& ui, const FlatFrame& frame, bool on_second) {
     ++studio.drags;
     return;
   }
-  if (is_drawing_tool(studio.tool)) {
+  if (draws_on_map(studio.tool)) {
     if (ImGui::IsItemActive()) extend_stroke(studio, x, y, on_second);
     if (ImGui::IsItemDeactivated()) finish_stroke(studio);
     return;
@@ -107,13 +103,13 @@ void draw_flat_options(Ui& ui) {
     studio.flat_is_stale = true;
   explain("a property of the map, the selected layer's selection, or the sample under a light");
   ImGui::SameLine();
-  const double pitch = studio.snapshot->after.pixel_pitch_mm;
-  const double least = 0.25 * pitch, most = 0.25 * pitch * studio.snapshot->after.width;
+  const BrushBounds bounds = brush_bounds(studio);
   const float room = std::max(4 * em, ImGui::GetContentRegionAvail().x);
   ImGui::SetNextItemWidth(room);
   const auto speed = static_cast<float>(0.01 * studio.brush_radius_mm);
-  ImGui::DragScalar("##brush", ImGuiDataType_Double, &studio.brush_radius_mm, speed, &least, &most,
-                    room > 8 * em ? "brush %.2f mm" : "%.2f mm", ImGuiSliderFlags_AlwaysClamp);
+  ImGui::DragScalar("##brush", ImGuiDataType_Double, &studio.brush_radius_mm, speed,
+                    &bounds.least_mm, &bounds.most_mm, room > 8 * em ? "brush %.2f mm" : "%.2f mm",
+                    ImGuiSliderFlags_AlwaysClamp);
   mark(ui.probe, "brush");
   explain("radius of strokes: drag to the left and right ([ and ])");
   if (studio.second == nullptr) return;

@@ -18,7 +18,7 @@ constexpr Shortcut shortcuts[] = {
     {"Ctrl+S, Ctrl+Shift+S", "save the recipe; under another name"},
     {"Ctrl+Z, Ctrl+Y", "undo, redo (also Ctrl+Shift+Z): layers, light, camera"},
     {"Ctrl+Q", "quit"},
-    {"1 … 9", "tools, from top to bottom"},
+    {"1 … 9, 0", "tools, from top to bottom"},
     {"V, Shift+V", "next view mode, previous one"},
     {"M", "show the selection on the mesh"},
     {"F", "frame the mesh"},
@@ -207,15 +207,27 @@ void handle_command(Ui& ui, const KeyPress& key) {
   }
 }
 
+// That of the map's strokes has the bounds of its slider, that of masks those of the mesh.
+void scale_brush(Studio& studio, double factor) {
+  if (studio.tool == Tool::mask) {
+    if (studio.stage == nullptr) return;
+    const auto size = static_cast<double>(diagonal(studio.stage->box));
+    double& radius = studio.mask.brush.radius_mm;
+    radius = std::clamp(radius * factor, 1e-3 * size, 0.5 * size);
+  } else if (studio.snapshot != nullptr) {
+    const BrushBounds bounds = brush_bounds(studio);
+    studio.brush_radius_mm =
+        std::clamp(studio.brush_radius_mm * factor, bounds.least_mm, bounds.most_mm);
+  }
+}
+
 // Of the map's layers and brush.
 void handle_map_key(Studio& studio, int key) {
   switch (key) {
     case '[':
-      studio.brush_radius_mm *= 0.8;
-      return;
+      return scale_brush(studio, 0.8);
     case ']':
-      studio.brush_radius_mm *= 1.25;
-      return;
+      return scale_brush(studio, 1.25);
     case key_space:
       return switch_layer(studio);
     case key_delete:
@@ -227,9 +239,9 @@ void handle_map_key(Studio& studio, int key) {
 
 void handle_key(Ui& ui, const KeyPress& key) {
   Studio& studio = ui.studio;
-  const int tool = key.key - '1';
+  const int tool = key.key == '0' ? 9 : key.key - '1';
   if (tool >= 0 && tool < static_cast<int>(tool_names().size()))
-    studio.tool = static_cast<Tool>(tool);
+    choose_tool(studio, static_cast<Tool>(tool));
   switch (key.key) {
     case key_f1:
       ui.shows_help = !ui.shows_help;

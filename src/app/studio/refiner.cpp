@@ -16,7 +16,7 @@ constexpr double publish_s = 0.3;  // between pictures
 
 bool may_refine(const Studio& studio) {
   return studio.still == Still::exact && studio.mode == ViewMode::shaded &&
-         shown_mask(studio) == nullptr;
+         shown_mask(studio) == nullptr && shown_layer_mask(studio) == nullptr;
 }
 
 }  // namespace

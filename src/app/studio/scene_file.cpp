@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "app/cli/inputs.h"
+#include "app/studio/painted_files.h"
 #include "app/studio/studio_files.h"
 #include "fit/fit.h"
 #include "io/blend/blend_file.h"
@@ -123,15 +124,17 @@ void save_scene(Studio& studio, const std::string& path) {
       beside = scene.material_file =
           name_beside(path, is_blend ? ".kbm" : ".h5", studio.material_path);
     }
+    std::vector<PaintedFile> painted = name_painted_masks(studio, scene, path);
     for_each_file(scene, [folder = fs::absolute(path).parent_path()](std::string& file) {
       file = fs::path(file).lexically_proximate(folder).string();
     });
     const bool is_whole = scene.layers.size() == studio.layers.size();
     studio.jobs.start(
         "save " + path,
-        [&studio, path, written, beside, is_whole,
+        [&studio, path, written, beside, is_whole, painted = std::move(painted),
          description = write_scene(scene)](const Progress&) -> Jobs::Finish {
           if (written != nullptr) save_material(beside, *written);
+          for (const PaintedFile& file : painted) save_painted(file);
           save_document(path, description);
           return [&studio, path, is_whole] {
             remember(studio, path);

@@ -6,6 +6,23 @@
 namespace parian {
 namespace {
 
+bool has_weights_of(const SurfaceMask& mask, const SurfaceMask& other) {
+  const auto weights = [](const SurfaceMask& of) {
+    return of.size() == 1 ? std::get_if<VertexMask>(&of.front().shape) : nullptr;
+  };
+  const VertexMask *one = weights(mask), *two = weights(other);
+  return one == nullptr || (two != nullptr && one->weights == two->weights);
+}
+
+// As many before as after.
+std::string label_of(const StageLayers& before, const StageLayers& after) {
+  for (std::size_t i = 0; i < after.size(); ++i)
+    if (before[i] != after[i] && before[i]->material == after[i]->material &&
+        !has_weights_of(after[i]->mask, before[i]->mask))
+      return "mask of " + after[i]->material_name;
+  return "layer of the scene";
+}
+
 std::string label_of(const SceneState& before, const SceneState& after) {
   if (before.is_homogeneous != after.is_homogeneous)
     return after.is_homogeneous ? "homogeneous material" : "back to the map";
@@ -13,7 +30,7 @@ std::string label_of(const SceneState& before, const SceneState& after) {
   if (before.exposure != after.exposure) return "exposure";
   if (before.layers.size() != after.layers.size())
     return before.layers.size() < after.layers.size() ? "add layer" : "remove layer";
-  if (before.layers != after.layers) return "layer of the scene";
+  if (before.layers != after.layers) return label_of(before.layers, after.layers);
   if (before.lighting.size() != after.lighting.size())
     return before.lighting.size() < after.lighting.size() ? "add light" : "remove light";
   for (std::size_t i = 0; i < after.lighting.size(); ++i)

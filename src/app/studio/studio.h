@@ -23,6 +23,7 @@
 #include "compress/compress_params.h"
 #include "material/bssrdf_table.h"
 #include "material/slices.h"
+#include "scene/mask_brush.h"
 
 namespace parian {
 
@@ -35,7 +36,8 @@ enum class Tool {
   eyedropper,
   paint,
   stamp,
-  select
+  select,
+  mask
 };
 const std::vector<std::string>& tool_names();
 
@@ -79,6 +81,18 @@ struct Stroke {
   std::vector<StrokeLine> lines;
   bool on_second = false;  // on the second material
   bool ended = false;      // the last line
+};
+
+// Painting of the chosen surface layer's mask (mask_tool.h).
+struct MaskTool {
+  MaskBrush brush;
+  std::optional<MaskStroke> stroke;           // while it is drawn
+  std::size_t index = 0;                      // of its layer
+  std::shared_ptr<const SurfaceLayer> layer;  // as it has made it
+  std::optional<Vec3> last;                   // where it touched the mesh
+  bool has_touched = false;                   // so far
+  std::shared_ptr<const VertexGraph> graph;   // of this stage
+  std::shared_ptr<const Stage> stage;
 };
 
 // A blend that was made of the map, for the rate-distortion list.
@@ -179,6 +193,7 @@ struct Studio {
   Stroke stroke;                               // while it is drawn
   std::deque<Stroke> waiting_strokes;          // until the editor has done the last one
   std::optional<StampSource> stamp_source;
+  MaskTool mask;
 
   // Compression.
   CompressParams compression;
@@ -226,8 +241,11 @@ void note_scene_now(Studio& studio);
 Camera make_view_camera(const Studio& studio, double scale);
 // The layers that the view shows.
 StageLayers shown_layers(const Studio& studio);
-// The selection that the view shows; null: none.
+// What the view shows in red: the selection, or with the tool `mask` that of the chosen surface
+// layer; null: neither.
 std::shared_ptr<const Mask> shown_mask(const Studio& studio);
+std::shared_ptr<const SurfaceLayer> shown_layer_mask(const Studio& studio);
+void choose_tool(Studio& studio, Tool tool);
 
 // Marks the 3-D view, or all pictures of the map, as old.
 void touch_view(Studio& studio);

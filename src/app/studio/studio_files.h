@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/studio/studio.h"
@@ -31,6 +32,10 @@ bool is_unsaved(const Studio& studio);
 void write_autosave(const Studio& studio);
 // Each running editor has a file of its own; empty without a folder for state.
 std::string autosave_path(const StudioPaths& paths);
+inline constexpr std::string_view autosave_start = "autosave-", autosave_end = ".json";
+bool is_of_ended_run(const std::string& autosave);
+// What was put aside at the start for the user to decide on.
+std::string aside_path(const StudioPaths& paths);
 // What another run has left, put aside for `recover`; none: nothing.
 std::optional<std::string> find_autosave(const StudioPaths& paths);
 // Takes up what find_autosave has found, or throws it away.
