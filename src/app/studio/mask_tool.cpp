@@ -28,11 +28,15 @@ std::string find_obstacle(const Studio& studio) {
   return why_not(unmasked, *studio.stage, *studio.material);
 }
 
+// That can be painted as it is; null: the mask has to become one.
+const VertexMask* painted_mask(const SurfaceLayer& layer) {
+  if (layer.mask.size() != 1 || layer.mask.front().invert) return nullptr;
+  return std::get_if<VertexMask>(&layer.mask.front().shape);
+}
+
 // What the stroke starts from.
 VertexMask take_mask(const SurfaceLayer& layer, const TriangleMesh& mesh, bool erases) {
-  const bool is_painted = layer.mask.size() == 1 && !layer.mask.front().invert &&
-                          std::holds_alternative<VertexMask>(layer.mask.front().shape);
-  if (is_painted) return std::get<VertexMask>(layer.mask.front().shape);
+  if (const VertexMask* painted = painted_mask(layer)) return *painted;
   VertexMask mask = sample_at_vertices(layer.mask, mesh);
   if (layer.mask.empty() && !erases) std::fill(mask.weights.begin(), mask.weights.end(), 0.0f);
   return mask;
@@ -56,9 +60,9 @@ void show_mask(Studio& studio, std::size_t index, VertexMask mask) {
 void say_what_becomes_of(Studio& studio, const SurfaceLayer& layer, bool erases) {
   const std::string& name = layer.material_name;
   if (layer.mask.empty() && !erases) return report(studio, name + " lies where it is painted now");
-  const bool is_painted =
+  const bool was_painted =
       layer.mask.size() == 1 && std::holds_alternative<VertexMask>(layer.mask.front().shape);
-  if (!layer.mask.empty() && !is_painted)
+  if (!layer.mask.empty() && !was_painted)
     report(studio, fmt::format("the mask of {} is painted at the mesh's vertices now", name));
 }
 
@@ -100,7 +104,6 @@ void begin_mask_stroke(Studio& studio, bool erases) {
   tool.index = *studio.selected_stage_layer;
   tool.layer = studio.layers[tool.index];
   tool.last.reset();
-  tool.has_touched = false;
 }
 
 void extend_mask_stroke(Studio& studio, const std::array<double, 2>& from,
@@ -129,9 +132,12 @@ void extend_mask_stroke(Studio& studio, const std::array<double, 2>& from,
     touched = true;
   }
   if (!touched) return;
-  if (!tool.has_touched) say_what_becomes_of(studio, *tool.layer, tool.stroke->brush.erases);
-  tool.has_touched = true;
-  show_mask(studio, tool.index, paint(*tool.stroke, stage.scene.mesh, *tool.graph));
+  VertexMask mask = paint(*tool.stroke, stage.scene.mesh, *tool.graph);
+  if (const VertexMask* shown = painted_mask(*tool.layer);
+      shown != nullptr && shown->weights == mask.weights)
+    return;
+  say_what_becomes_of(studio, *tool.layer, tool.stroke->brush.erases);
+  show_mask(studio, tool.index, std::move(mask));
   tool.layer = studio.layers[tool.index];
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/cli/inputs.h"
+#include "app/studio/figures.h"
 #include "app/studio/scene_file.h"
 #include "app/studio/stage_layers.h"
 #include "app/studio/tools.h"
@@ -55,10 +56,15 @@ void open_map_file(Studio& studio, const std::string& path, bool is_blend) {
   studio.jobs.start(opening(path), [&studio, path, is_blend](const Progress&) -> Jobs::Finish {
     auto map = std::make_shared<ProfileMap>(is_blend ? make_profile_map(load_blend(path))
                                                      : load_profile_map(path));
-    return [&studio, path, map] {
+    std::string message = "opened " + file_name(path);
+    if (is_blend)
+      message +=
+          fmt::format(" as a map, which is edited: {} for the blend's {}",
+                      bytes_text(map_bytes(*map)), bytes_text(std::filesystem::file_size(path)));
+    return [&studio, path, map, message] {
       show_map(studio, *map, path);
       remember(studio, path);
-      report(studio, "opened " + file_name(path));
+      report(studio, message);
     };
   });
 }

@@ -220,9 +220,9 @@ void set_title(Ui& ui) {
       std::filesystem::path(studio.recipe_path.empty() ? studio.material_path : studio.recipe_path)
           .filename()
           .string();
-  ui.window.set_title(name.empty()
-                          ? "Parian Studio"
-                          : name + (is_unsaved(studio) ? " * - " : " - ") + "Parian Studio");
+  ui.window.set_title(name.empty() ? "Parian Studio"
+                                   : name + (what_is_unsaved(studio).empty() ? " - " : " * - ") +
+                                         "Parian Studio");
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ void show_scene(Studio& studio, const OpenedScene& scene) {
   studio.orbit = scene.orbit;
   studio.lighting = scene.lighting;
   studio.selected_light = find_light(scene.lighting, scene.lighting.size(), false);
-  studio.layers = scene.layers;
+  studio.layers = studio.saved_layers = scene.layers;
   studio.selected_stage_layer.reset();
   studio.exposure = scene.exposure;
   if (const auto* map = std::get_if<ProfileMap>(&scene.material))
@@ -132,11 +132,13 @@ void save_scene(Studio& studio, const std::string& path) {
     studio.jobs.start(
         "save " + path,
         [&studio, path, written, beside, is_whole, painted = std::move(painted),
+         layers = studio.layers,
          description = write_scene(scene)](const Progress&) -> Jobs::Finish {
           if (written != nullptr) save_material(beside, *written);
           for (const PaintedFile& file : painted) save_painted(file);
           save_document(path, description);
-          return [&studio, path, is_whole] {
+          return [&studio, path, is_whole, layers] {
+            studio.saved_layers = layers;
             remember(studio, path);
             report(studio, "saved " + path + (is_whole ? "" : " without layers that do not fit"));
           };

@@ -154,6 +154,7 @@ void show_saved(Studio& studio, const Saved& saved) {
   show_recipe(studio, saved.recipe_file, saved.recipe, "recover");
   if (saved.scene && is_homogeneous) set_homogeneous(studio, studio.homogeneous);
   studio.saved_version = 0;
+  studio.saved_layers.clear();
   report(studio, "recovered the last recipe");
 }
 

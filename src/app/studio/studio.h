@@ -90,7 +90,6 @@ struct MaskTool {
   std::size_t index = 0;                      // of its layer
   std::shared_ptr<const SurfaceLayer> layer;  // as it has made it
   std::optional<Vec3> last;                   // where it touched the mesh
-  bool has_touched = false;                   // so far
   std::shared_ptr<const VertexGraph> graph;   // of this stage
   std::shared_ptr<const Stage> stage;
 };
@@ -151,7 +150,8 @@ struct Studio {
   Orbit orbit;
   Lighting lighting;
   std::size_t selected_light = 0;
-  StageLayers layers;  // over the material
+  StageLayers layers;        // over the material
+  StageLayers saved_layers;  // as a scene's file has them
   std::optional<std::size_t> selected_stage_layer;
   double exposure = 0;
   ViewMode mode = ViewMode::shaded;

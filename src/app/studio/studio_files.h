@@ -27,8 +27,9 @@ void save_map(Studio& studio, const std::string& path);
 void save_picture(Studio& studio, const std::string& path);
 void save_compressed(Studio& studio, std::size_t index, const std::string& path);
 
-// There are layers that no file holds.
-bool is_unsaved(const Studio& studio);
+// What no file holds, as a sentence; empty: nothing. The recipe, and what was painted on the
+// surface.
+std::string what_is_unsaved(const Studio& studio);
 void write_autosave(const Studio& studio);
 // Each running editor has a file of its own; empty without a folder for state.
 std::string autosave_path(const StudioPaths& paths);

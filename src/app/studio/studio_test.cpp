@@ -330,7 +330,7 @@ TEST(Studio, ARecipeThatFailsLeavesThePresentOne) {
   open(make_adjust(3));
   ASSERT_EQ(studio.snapshot->layers.size(), 1u);
   EXPECT_EQ(as_number(get(studio.snapshot->layers[0].source, "range_scale")), 3);
-  EXPECT_FALSE(is_unsaved(studio));
+  EXPECT_EQ(what_is_unsaved(studio), "");
 }
 
 TEST(Studio, TheSameErrorIsOneMessage) {
