@@ -107,6 +107,12 @@ struct MeasuredPair {
   double r_mm = 0, value = 0;
 };
 
+// Until what was named before it is open.
+struct WaitingFile {
+  std::string path;
+  bool is_second = false;  // the second material
+};
+
 struct Message {
   std::string text;
   bool is_error = false;
@@ -203,7 +209,8 @@ struct Studio {
   std::deque<Message> messages;
   std::size_t unseen_errors = 0;  // the last of them stands over the view
   std::vector<std::string> recent;
-  std::deque<std::string> waiting_files;   // until the map that they need is open
+  std::deque<WaitingFile> waiting_files;   // until the map that they need is open
+  std::string base_job, mesh_job;          // that open what is shown next
   std::optional<std::string> recoverable;  // path of an autosaved recipe
   std::uint64_t drags = 0;  // finished ones: a drag of a slider is one entry of the history
   double now_s = 0;

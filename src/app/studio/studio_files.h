@@ -13,10 +13,11 @@ namespace parian {
 // Tables (fitted first), maps, blends, meshes, recipes, scenes, environments (EXR, HDR) and
 // photographs (PNG, JPEG), from which a material is made.
 void open_file(Studio& studio, const std::string& path);
-// Several at once: recipes and photographs after the map that they come with. Once a frame
-// open_waiting goes on with them.
+// Several at once. Of materials the first is edited, the second one is there to pick from; recipes
+// and photographs come after the map that they come with. Once a frame open_waiting goes on.
 void open_files(Studio& studio, const std::vector<std::string>& paths);
 void open_waiting(Studio& studio);
+bool is_environment_image(const std::string& path);  // by its name: EXR, HDR
 // A map or blend to take profiles and patterns from.
 void open_second(Studio& studio, const std::string& path);
 // A map or blend that becomes a layer over the material.
