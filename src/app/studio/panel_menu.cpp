@@ -21,7 +21,7 @@ constexpr Shortcut shortcuts[] = {
     {"1 … 9, 0", "tools, from top to bottom"},
     {"V, Shift+V", "next view mode, previous one"},
     {"M", "show the selection on the mesh"},
-    {"F", "frame the mesh"},
+    {"F, Shift+F", "frame the mesh; all of the map"},
     {"W", "wireframe on and off"},
     {"Space", "the selected layer on and off"},
     {"Delete", "remove the selected layer"},
@@ -33,8 +33,8 @@ constexpr Shortcut shortcuts[] = {
 };
 constexpr Shortcut mouse[] = {
     {"drag", "with the orbit tool: turn the object"},
-    {"middle button", "pan"},
-    {"wheel", "zoom"},
+    {"middle button", "pan, in the 3-D view and on the flat map"},
+    {"wheel", "zoom, in both"},
     {"right button", "turn the chosen lamp, with any tool"},
     {"Ctrl and right button", "turn the environment"},
     {"Ctrl and click", "on a number: type it"},
@@ -152,6 +152,7 @@ void draw_view_menu(Ui& ui) {
       set_mode(studio, static_cast<ViewMode>(i));
   ImGui::Separator();
   if (ImGui::MenuItem("Frame the mesh", "F")) frame_mesh(studio);
+  if (ImGui::MenuItem("All of the map", "Shift+F")) ui.flat_zoom = {};
   if (ImGui::MenuItem("Selection on the mesh", "M", studio.show_selection)) {
     studio.show_selection = !studio.show_selection;
     touch_view(studio);
@@ -257,7 +258,11 @@ void handle_key(Ui& ui, const KeyPress& key) {
       studio.show_selection = !studio.show_selection;
       return touch_view(studio);
     case 'F':
-      return frame_mesh(studio);
+      if (key.shift)
+        ui.flat_zoom = {};
+      else
+        frame_mesh(studio);
+      return;
     case '-':
       return add_exposure(studio, -0.5);
     case '+':
