@@ -43,9 +43,9 @@ ParamList describe(MaskBrush& brush) {
            .target = &brush.softness,
            .min = 0,
            .max = 1},
-          {.name = "opacity",
+          {.name = "strength",
            .help = "how much one stroke adds or takes away",
-           .target = &brush.opacity,
+           .target = &brush.strength,
            .min = 0,
            .max = 1},
           {.name = "erases",
@@ -108,7 +108,7 @@ void touch(MaskStroke& stroke, const TriangleMesh& mesh, const VertexGraph& grap
 VertexMask paint(const MaskStroke& stroke, const TriangleMesh& mesh, const VertexGraph& graph) {
   VertexMask painted{stroke.before};
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    const double part = stroke.brush.opacity * static_cast<double>(stroke.cover[graph.place[v]]);
+    const double part = stroke.brush.strength * static_cast<double>(stroke.cover[graph.place[v]]);
     if (part == 0) continue;
     float& weight = painted.weights[source_of(mesh, v)];
     const auto before = static_cast<double>(stroke.before[source_of(mesh, v)]);

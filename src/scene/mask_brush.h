@@ -14,7 +14,7 @@ namespace parian {
 struct MaskBrush {
   double radius_mm = 2;
   double softness = 0.5;  // part of the radius over which it falls, 3 t^2 - 2 t^3
-  double opacity = 1;
+  double strength = 1;    // opacity of one stroke
   bool erases = false;
 };
 ParamList describe(MaskBrush& brush);
@@ -42,7 +42,7 @@ MaskStroke start_stroke(const MaskBrush& brush, const VertexMask& mask, const Tr
 void touch(MaskStroke& stroke, const TriangleMesh& mesh, const VertexGraph& graph,
            const SurfacePoint& point);
 
-// w + (1 - w) opacity cover, or w (1 - opacity cover) where the brush erases; in thousandths, so
+// w + (1 - w) strength cover, or w (1 - strength cover) where the brush erases; in thousandths, so
 // that files stay small.
 VertexMask paint(const MaskStroke& stroke, const TriangleMesh& mesh, const VertexGraph& graph);
 

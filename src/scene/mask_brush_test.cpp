@@ -55,7 +55,7 @@ TEST(MaskBrush, TouchesWhatIsNear) {
 
 TEST(MaskBrush, SlowStrokesAreLikeQuickOnes) {
   const TriangleMesh mesh = make_sphere(4);
-  const MaskBrush brush{.radius_mm = 0.4, .softness = 0.6, .opacity = 0.5};
+  const MaskBrush brush{.radius_mm = 0.4, .softness = 0.6, .strength = 0.5};
   const std::vector<Vec3> once{{1, 0, 0}, {0, 1, 0}},
       twice{{1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}};
   const std::vector<float> quick = paint_at(mesh, brush, nothing_on(mesh), once);
@@ -73,7 +73,7 @@ TEST(MaskBrush, SlowStrokesAreLikeQuickOnes) {
     EXPECT_NEAR(erased[v], w * (1 - part), 1.5e-3);
     EXPECT_LE(erased[v], second[v]);
   }
-  eraser.opacity = 1;
+  eraser.strength = 1;
   eraser.softness = 0;
   eraser.radius_mm = 3;
   for (const float w : paint_at(mesh, eraser, {second}, {{1, 0, 0}, {-1, 0, 0}})) EXPECT_EQ(w, 0);

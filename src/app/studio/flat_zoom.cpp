@@ -1,7 +1,6 @@
 #include "app/studio/flat_zoom.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace parian {
 namespace {
@@ -13,24 +12,13 @@ double whole_pixel(int columns, int rows, double width, double height) {
   return std::max(least_pixel, std::min(width / columns, height / rows));
 }
 
-// Of the corner along one side: in the middle where the map is smaller than the room, else so that
-// it covers it.
-double place_side(double center, double size, double room) {
-  if (size <= room) return std::floor((room - size) / 2);
-  return std::clamp(room / 2 - center * size, room - size, 0.0);
-}
-
-double center_of(double corner, double size, double room) {
-  return size <= room ? 0.5 : (room / 2 - corner) / size;
-}
-
 }  // namespace
 
 FlatPlace place_flat(const FlatZoom& zoom, int columns, int rows, double width, double height) {
   FlatPlace place;
   place.pixel = zoom.factor * whole_pixel(columns, rows, width, height);
-  place.x = place_side(zoom.center_x, place.pixel * columns, width);
-  place.y = place_side(zoom.center_y, place.pixel * rows, height);
+  place.x = width / 2 - zoom.center_x * place.pixel * columns;
+  place.y = height / 2 - zoom.center_y * place.pixel * rows;
   return place;
 }
 
@@ -40,24 +28,20 @@ FlatZoom zoom_flat(const FlatZoom& zoom, double factor, double x, double y, int 
   const double whole = whole_pixel(columns, rows, width, height);
   FlatZoom zoomed = zoom;
   zoomed.factor = std::clamp(zoom.factor * factor, 1.0, std::max(1.0, largest_pixel / whole));
+  if (zoomed.factor == 1) return {};
   const double pixel = zoomed.factor * whole;
-  const double corner_x = x - (x - before.x) / before.pixel * pixel,
-               corner_y = y - (y - before.y) / before.pixel * pixel;
-  zoomed.center_x = center_of(corner_x, pixel * columns, width);
-  zoomed.center_y = center_of(corner_y, pixel * rows, height);
+  zoomed.center_x = ((x - before.x) / before.pixel - (x - width / 2) / pixel) / columns;
+  zoomed.center_y = ((y - before.y) / before.pixel - (y - height / 2) / pixel) / rows;
   return pan_flat(zoomed, 0, 0, columns, rows, width, height);
 }
 
 FlatZoom pan_flat(const FlatZoom& zoom, double dx, double dy, int columns, int rows, double width,
                   double height) {
+  if (zoom.factor == 1) return zoom;
   FlatZoom panned = zoom;
   const double pixel = zoom.factor * whole_pixel(columns, rows, width, height);
-  panned.center_x -= dx / (pixel * columns);
-  panned.center_y -= dy / (pixel * rows);
-  // What cannot be seen is not kept, so that panning back starts at once.
-  const FlatPlace place = place_flat(panned, columns, rows, width, height);
-  panned.center_x = center_of(place.x, pixel * columns, width);
-  panned.center_y = center_of(place.y, pixel * rows, height);
+  panned.center_x = std::clamp(zoom.center_x - dx / (pixel * columns), 0.0, 1.0);
+  panned.center_y = std::clamp(zoom.center_y - dy / (pixel * rows), 0.0, 1.0);
   return panned;
 }
 

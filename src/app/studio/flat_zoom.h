@@ -17,15 +17,15 @@ struct FlatPlace {
   double pixel = 1;
 };
 
-// Of a map of columns x rows pixels in a room of width x height. Where it is larger than the room
-// it fills it.
+// Of a map of columns x rows pixels in a room of width x height.
 FlatPlace place_flat(const FlatZoom& zoom, int columns, int rows, double width, double height);
 
 // By a factor, up to pixels of 64 x 64 and down to all of the map; what is at (x, y) in the room
 // stays there.
 FlatZoom zoom_flat(const FlatZoom& zoom, double factor, double x, double y, int columns, int rows,
                    double width, double height);
-// What is seen moves by that many pixels of the screen.
+// What is seen moves by that many pixels of the screen; the map does not leave the middle of the
+// room.
 FlatZoom pan_flat(const FlatZoom& zoom, double dx, double dy, int columns, int rows, double width,
                   double height);
 

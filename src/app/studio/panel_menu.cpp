@@ -309,6 +309,8 @@ void handle_shortcuts(Ui& ui) {
   ui.probe.input.keys += keys.size();
   for (const KeyPress& key : keys) ui.wants_screenshot |= key.key == key_f12;
   if (ImGui::GetIO().WantTextInput || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId)) return;
+  // What is being dragged is no entry yet, and a stroke has the tool that it was begun with.
+  if (ImGui::IsAnyMouseDown()) return;
   for (const KeyPress& key : keys)
     if (key.control)
       handle_command(ui, key);

@@ -256,6 +256,7 @@ void run_studio(const StudioOptions& options) {
     window.show_frame();
     if (probe.first_picture_s < 0 && ui.view_picture != nullptr) probe.first_picture_s = now();
     set_title(ui);
+    probe.flat_zoom = ui.flat_zoom.factor;
     write_probe(probe, studio);
     if (options.is_cancelled && options.is_cancelled()) throw make_cancelled_error();
   }
