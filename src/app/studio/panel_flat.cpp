@@ -151,9 +151,9 @@ void draw_flat_options(Ui& ui) {
   if (draw_choice(ui, "flat mode", flat_mode_names(), studio.flat_mode))
     studio.flat_is_stale = true;
   explain("a property of the map, the selected layer's selection, or the sample under a light");
-  ImGui::SameLine();
-  const BrushBounds bounds = brush_bounds(studio);
   const float spacing = ImGui::GetStyle().ItemSpacing.x, fit = 2.6f * em;
+  flow(5 * em + spacing + fit);
+  const BrushBounds bounds = brush_bounds(studio);
   const float room = std::max(4 * em, ImGui::GetContentRegionAvail().x - fit - spacing);
   ImGui::SetNextItemWidth(room);
   const auto speed = static_cast<float>(0.01 * studio.brush_radius_mm);

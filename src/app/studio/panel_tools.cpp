@@ -144,7 +144,14 @@ bool draw_tool(Tool tool, const char* name, bool is_selected, float height) {
   if (is_selected) ImGui::PopStyleColor(2);
   const ImU32 ink = is_selected ? IM_COL32(25, 22, 16, 255) : ImGui::GetColorU32(ImGuiCol_Text);
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const float text_height = 0.86f * ImGui::GetFontSize();
+  const float em = ImGui::GetFontSize(), text_height = 0.86f * em;
+  // In low buttons the picture stands beside the name.
+  if (height < 2.4f * em) {
+    draw_icon(tool, {{corner.x + 0.7f * em, corner.y + height / 2}, 0.4f * em, ink, list});
+    list->AddText(ImGui::GetFont(), 0.9f * text_height,
+                  {corner.x + 1.3f * em, corner.y + (height - 0.9f * text_height) / 2}, ink, name);
+    return pressed;
+  }
   const float icon = 0.28f * (height - text_height);
   draw_icon(tool,
             {{corner.x + width / 2, corner.y + 0.52f * (height - text_height)}, icon, ink, list});

@@ -182,15 +182,16 @@ void draw_view_options(Ui& ui) {
   ImGui::SetNextItemWidth(8 * em);
   if (draw_choice(ui, "view mode", view_mode_names(), studio.mode)) touch_view(studio);
   explain("what the view shows (V); difference: four times what the edits have changed");
-  ImGui::SameLine();
+  flow(ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x +
+       ImGui::CalcTextSize("selection").x);
   if (ImGui::Checkbox("selection", &studio.show_selection)) touch_view(studio);
   mark(ui.probe, "show selection");
   explain("in red: the selected layer's selection; with the tool 'mask' the painted mask (M)");
-  ImGui::SameLine();
+  flow(5.5f * em);
   ImGui::SetNextItemWidth(5.5f * em);
   if (draw_choice(ui, "still", still_names(), studio.still)) touch_view(studio);
   explain("how good the picture becomes while nothing moves; exact: by the CPU renderer");
-  ImGui::SameLine();
+  flow(5.5f * em);
   const float room = std::max(4 * em, ImGui::GetContentRegionAvail().x);
   ImGui::SetNextItemWidth(room);
   auto exposure = static_cast<float>(studio.exposure);

@@ -117,7 +117,8 @@ void draw_panels(Ui& ui) {
   constexpr ImGuiWindowFlags fixed =
       ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
   draw_panel(ui, "bar", layout.menu, fixed | ImGuiWindowFlags_MenuBar, draw_menu);
-  draw_panel(ui, "tools", layout.tools, fixed, draw_toolbar);
+  // Of a low window the wheel reaches all of them.
+  draw_panel(ui, "tools", layout.tools, ImGuiWindowFlags_NoScrollbar, draw_toolbar);
   draw_panel(ui, "3-D", layout.view, fixed, draw_view);
   draw_panel(ui, "map", layout.flat, fixed, draw_flat_view);
   draw_panel(ui, "profile", layout.profile, fixed, draw_profile);

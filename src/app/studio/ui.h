@@ -117,6 +117,8 @@ bool draw_choice(Ui& ui, const std::string& group, const std::vector<std::string
   value = static_cast<Enum>(index);
   return true;
 }
+// The next item stands beside the last one where there is room for its width, else below.
+void flow(float width);
 // Help for the item that ImGui drew last.
 void explain(const char* text);
 
