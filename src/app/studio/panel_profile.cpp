@@ -166,10 +166,12 @@ void draw_heading(Ui& ui, const EditState& state) {
   }
   const ProfileProperties properties = measure_properties(
       get_profile(state, studio.channel, studio.inspected.x, studio.inspected.y));
-  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-  ImGui::TextWrapped("albedo %.3f  range %.2f  mean %.2f mm", properties.albedo,
-                     properties.range_mm, properties.mean_radius_mm);
-  ImGui::PopStyleColor();
+  ImGui::TextDisabled("albedo %.3f", properties.albedo);
+  for (const std::string& text : {fmt::format("range {:.2f}", properties.range_mm),
+                                  fmt::format("mean {:.2f} mm", properties.mean_radius_mm)}) {
+    flow(ImGui::CalcTextSize(text.c_str()).x);
+    ImGui::TextDisabled("%s", text.c_str());
+  }
 }
 
 void draw_curves(const Studio& studio, const Axes& axes, const Profile& edited) {

@@ -147,9 +147,9 @@ bool draw_tool(Tool tool, const char* name, bool is_selected, float height) {
   const float em = ImGui::GetFontSize(), text_height = 0.86f * em;
   // In low buttons the picture stands beside the name.
   if (height < 2.4f * em) {
-    draw_icon(tool, {{corner.x + 0.7f * em, corner.y + height / 2}, 0.4f * em, ink, list});
-    list->AddText(ImGui::GetFont(), 0.9f * text_height,
-                  {corner.x + 1.3f * em, corner.y + (height - 0.9f * text_height) / 2}, ink, name);
+    draw_icon(tool, {{corner.x + 0.6f * em, corner.y + height / 2}, 0.38f * em, ink, list});
+    list->AddText(ImGui::GetFont(), 0.85f * text_height,
+                  {corner.x + 1.15f * em, corner.y + (height - 0.9f * text_height) / 2}, ink, name);
     return pressed;
   }
   const float icon = 0.28f * (height - text_height);

@@ -38,6 +38,19 @@ std::string label_of(const SceneState& before, const SceneState& after) {
   return before.lighting != after.lighting ? "light" : "camera";
 }
 
+// Of masks that it has made.
+std::size_t bytes_of(const SceneEntry& entry) {
+  const StageLayers& before = entry.before.layers;
+  std::size_t bytes = 0;
+  for (const auto& layer : entry.after.layers) {
+    if (std::find(before.begin(), before.end(), layer) != before.end()) continue;
+    for (const MaskTerm& term : layer->mask)
+      if (const auto* painted = std::get_if<VertexMask>(&term.shape))
+        bytes += painted->weights.size() * sizeof(float);
+  }
+  return bytes;
+}
+
 bool moves_only_camera(const SceneState& before, const SceneState& after) {
   SceneState moved = before;
   moved.orbit = after.orbit;
@@ -82,7 +95,13 @@ void note_scene(SceneHistory& history, const SceneState& state, std::size_t reci
     history.done.push_back({before, state, label_of(before, state), recipe_entries});
     history.undone.clear();
   }
-  if (history.done.size() > max_scene_entries) history.done.erase(history.done.begin());
+  std::size_t bytes = 0, kept = 0;
+  while (kept < std::min(history.done.size(), max_scene_entries)) {
+    bytes += bytes_of(history.done[history.done.size() - 1 - kept]);
+    if (kept > 0 && bytes > history.max_mask_bytes) break;
+    ++kept;
+  }
+  history.done.erase(history.done.begin(), history.done.end() - static_cast<std::ptrdiff_t>(kept));
 }
 
 void forget_camera(SceneHistory& history, const Orbit& orbit) {
