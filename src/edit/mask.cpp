@@ -35,6 +35,61 @@ struct Kernel {
   std::vector<double> taps;
 };
 
+// Which samples of a line make sample i of a longer or shorter one: a tent that is as wide as two
+// samples of the coarser, so that of the same line each is itself. Ends are repeated.
+Kernel tent_kernel(int i, int from, int to) {
+  const double ratio = static_cast<double>(from) / to;
+  const double center = (i + 0.5) * ratio - 0.5, radius = std::max(1.0, ratio);
+  Kernel kernel{.first = static_cast<int>(std::floor(center - radius)) + 1, .taps = {}};
+  double sum = 0;
+  for (int k = kernel.first; k < center + radius; ++k) {
+    kernel.taps.push_back(1 - std::abs(k - center) / radius);
+    sum += kernel.taps.back();
+  }
+  for (double& tap : kernel.taps) tap /= sum;
+  return kernel;
+}
+
+// Lines along x of another length, [y][x].
+std::vector<double> stretch_lines(const std::vector<double>& values, int from, int to) {
+  const std::size_t lines = values.size() / static_cast<std::size_t>(from);
+  std::vector<double> stretched(lines * static_cast<std::size_t>(to));
+  for (int i = 0; i < to; ++i) {
+    const Kernel kernel = tent_kernel(i, from, to);
+    for (std::size_t line = 0; line < lines; ++line) {
+      double sum = 0;
+      for (std::size_t j = 0; j < kernel.taps.size(); ++j) {
+        const int at = std::clamp(kernel.first + static_cast<int>(j), 0, from - 1);
+        sum += kernel.taps[j] *
+               values[line * static_cast<std::size_t>(from) + static_cast<std::size_t>(at)];
+      }
+      stretched[line * static_cast<std::size_t>(to) + static_cast<std::size_t>(i)] = sum;
+    }
+  }
+  return stretched;
+}
+
+std::vector<double> transpose(const std::vector<double>& values, int width) {
+  const auto columns = static_cast<std::size_t>(width);
+  const std::size_t rows = values.size() / columns;
+  std::vector<double> turned(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    turned[(i % columns) * rows + i / columns] = values[i];
+  return turned;
+}
+
+Mask stretch(const Mask& mask, int width, int height) {
+  const std::vector<double> values(mask.weight.begin(), mask.weight.end());
+  const std::vector<double> wide = stretch_lines(values, mask.width, width);
+  const std::vector<double> turned = stretch_lines(transpose(wide, width), mask.height, height);
+  const std::vector<double> upright = transpose(turned, height);
+  Mask stretched{width, height, {}};
+  stretched.weight.reserve(upright.size());
+  for (const double weight : upright)
+    stretched.weight.push_back(std::clamp(static_cast<float>(weight), 0.0f, 1.0f));
+  return stretched;
+}
+
 // A Gaussian for lines of `size` samples. Mirrored lines repeat after 2 size samples, and so taps
 // beyond are folded onto these.
 Kernel gaussian_kernel(double sigma, int size) {
@@ -171,13 +226,10 @@ bool is_empty(const Mask& mask) {
 }
 
 Mask make_mask(const Image& image, int width, int height) {
-  if (image.width != width || image.height != height)
-    throw Error({.expected = fmt::format("an image of {} x {} pixels, as the map", width, height),
-                 .found = fmt::format("{} x {}", image.width, image.height)});
-  Mask mask{width, height, {}};
+  Mask mask{image.width, image.height, {}};
   mask.weight.reserve(mask.pixels());
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
       const float value = image.channels >= 3 ? luminance(at(image, x, y, 0), at(image, x, y, 1),
                                                           at(image, x, y, 2))
                                               : at(image, x, y, 0);
@@ -187,7 +239,7 @@ Mask make_mask(const Image& image, int width, int height) {
                      .found = std::isnan(value) ? "NaN" : fmt::format("{}", value)});
       mask.weight.push_back(std::clamp(value, 0.0f, 1.0f));
     }
-  return mask;
+  return image.width == width && image.height == height ? mask : stretch(mask, width, height);
 }
 
 Mask threshold(const double* values, int width, int height, double low, double high,

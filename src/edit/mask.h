@@ -21,8 +21,8 @@ struct Mask {
 Mask make_mask(int width, int height, float value);
 bool is_empty(const Mask& mask);  // all 0
 
-// The luminance of an image with three channels, or its one channel, clamped to [0, 1]. Throws
-// Error for another size and for values that are not finite.
+// The luminance of an image with three channels, or its one channel, clamped to [0, 1]; an image of
+// another size is stretched over the map. Throws Error for values that are not finite.
 Mask make_mask(const Image& image, int width, int height);
 
 // 1 where low <= value <= high, falling smoothly to 0 over `softness` beyond; 0 for NaN.

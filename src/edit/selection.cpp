@@ -222,7 +222,7 @@ const std::vector<Reader>& readers() {
        read_stroke},
       {{"gradient", "from 0 at one place to 1 at another", {"from", "to", "unit"}, no_params},
        read_gradient},
-      {{"image", "a picture of the map's size: white is selected", {"file"}, no_params},
+      {{"image", "a picture stretched over the map: white is selected", {"file"}, no_params},
        read_image},
       {{"threshold",
         "pixels of which a property lies within bounds",

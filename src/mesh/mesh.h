@@ -23,6 +23,11 @@ struct TriangleMesh {
   std::size_t source_vertices = 0;
 };
 
+// Vertices of the file that it is from.
+inline std::size_t count_source_vertices(const TriangleMesh& mesh) {
+  return mesh.source.empty() ? mesh.positions.size() : mesh.source_vertices;
+}
+
 Bounds3 bounds(const TriangleMesh& mesh);
 double surface_area(const TriangleMesh& mesh);  // mm^2
 double enclosed_volume(

@@ -306,7 +306,7 @@ Image make_mask_image(const Image& image, const std::string& name) {
 
 void check(const SurfaceMask& mask, const TriangleMesh& mesh, const std::string& file,
            const std::string& place) {
-  const std::size_t vertices = mesh.source.empty() ? mesh.positions.size() : mesh.source_vertices;
+  const std::size_t vertices = count_source_vertices(mesh);
   for (std::size_t i = 0; i < mask.size(); ++i) {
     const MaskShape& shape = mask[i].shape;
     const std::string here = mask.size() == 1 ? place : fmt::format("{}/{}", place, i);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/cli/inputs.h"
+#include "app/studio/figures.h"
 #include "app/studio/scene_file.h"
 #include "app/studio/stage_layers.h"
 #include "app/studio/tools.h"
@@ -39,8 +40,15 @@ std::string opening(const std::string& path) {
   return "open " + file_name(path);
 }
 
+// A job that opens something in the place of what an earlier one is still opening ends that one.
+void start_opening(Studio& studio, std::string& slot, const std::string& path, Jobs::Work work) {
+  if (!slot.empty()) studio.jobs.cancel(slot);
+  slot = opening(path);
+  studio.jobs.start(slot, std::move(work));
+}
+
 void open_table_file(Studio& studio, const std::string& path) {
-  studio.jobs.start(opening(path), [&studio, path](const Progress& progress) -> Jobs::Finish {
+  const auto work = [&studio, path](const Progress& progress) -> Jobs::Finish {
     std::shared_ptr<const SliceSource> table = open_table(path);
     auto map = std::make_shared<ProfileMap>(fit_profiles(*table, {}, progress).map);
     return [&studio, path, table, map] {
@@ -48,23 +56,30 @@ void open_table_file(Studio& studio, const std::string& path) {
       remember(studio, path);
       report(studio, "fitted " + file_name(path));
     };
-  });
+  };
+  start_opening(studio, studio.base_job, path, work);
 }
 
 void open_map_file(Studio& studio, const std::string& path, bool is_blend) {
-  studio.jobs.start(opening(path), [&studio, path, is_blend](const Progress&) -> Jobs::Finish {
+  const auto work = [&studio, path, is_blend](const Progress&) -> Jobs::Finish {
     auto map = std::make_shared<ProfileMap>(is_blend ? make_profile_map(load_blend(path))
                                                      : load_profile_map(path));
-    return [&studio, path, map] {
+    std::string message = "opened " + file_name(path);
+    if (is_blend)
+      message +=
+          fmt::format(" as a map, which is edited: {} for the blend's {}",
+                      bytes_text(map_bytes(*map)), bytes_text(std::filesystem::file_size(path)));
+    return [&studio, path, map, message] {
       show_map(studio, *map, path);
       remember(studio, path);
-      report(studio, "opened " + file_name(path));
+      report(studio, message);
     };
-  });
+  };
+  start_opening(studio, studio.base_job, path, work);
 }
 
 void open_mesh_file(Studio& studio, const std::string& path) {
-  studio.jobs.start(opening(path), [&studio, path](const Progress&) -> Jobs::Finish {
+  const auto work = [&studio, path](const Progress&) -> Jobs::Finish {
     auto stage =
         make_plain_stage(load_mesh(path), {.file = std::filesystem::absolute(path).string()});
     return [&studio, path, stage] {
@@ -73,7 +88,8 @@ void open_mesh_file(Studio& studio, const std::string& path) {
       report(studio, fmt::format("opened {}: {} triangles", file_name(path),
                                  stage->scene.mesh.triangles.size()));
     };
-  });
+  };
+  start_opening(studio, studio.mesh_job, path, work);
 }
 
 // In place of the environment that dragging would turn, as strong and as it was turned.
@@ -88,8 +104,7 @@ void put_environment(Studio& studio, const StageLight& light) {
 
 // EXR and Radiance HDR are environments; PNG and JPEG are photographs to hallucinate from.
 void open_image_file(Studio& studio, const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
-  if (extension != ".exr" && extension != ".hdr") return hallucinate(studio, path);
+  if (!is_environment_image(path)) return hallucinate(studio, path);
   studio.jobs.start(opening(path), [&studio, path](const Progress&) -> Jobs::Finish {
     const StageLight light =
         take_light(EnvironmentLight{.image = make_environment_image(load_image(path), path),
@@ -103,15 +118,15 @@ void open_image_file(Studio& studio, const std::string& path) {
 }
 
 void open_scene_file(Studio& studio, const std::string& path, const Document& description) {
-  studio.jobs.start(
-      opening(path), [&studio, path, description](const Progress& progress) -> Jobs::Finish {
-        auto opened = std::make_shared<OpenedScene>(open_scene(description, path, progress));
-        return [&studio, path, opened] {
-          show_scene(studio, *opened);
-          remember(studio, path);
-          report(studio, "opened " + file_name(path));
-        };
-      });
+  const auto work = [&studio, path, description](const Progress& progress) -> Jobs::Finish {
+    auto opened = std::make_shared<OpenedScene>(open_scene(description, path, progress));
+    return [&studio, path, opened] {
+      show_scene(studio, *opened);
+      remember(studio, path);
+      report(studio, "opened " + file_name(path));
+    };
+  };
+  start_opening(studio, studio.base_job, path, work);
 }
 
 Material load_map_or_blend(const std::string& path) {
@@ -191,6 +206,7 @@ void show_stage(Studio& studio, std::shared_ptr<const Stage> stage, const std::s
   studio.stage = std::move(stage);
   studio.mesh_path = path;
   studio.orbit = frame_stage(*studio.stage, studio.view_width, studio.view_height);
+  studio.mask.brush.radius_mm = 0.04 * static_cast<double>(diagonal(studio.stage->box));
   touch_view(studio);
 }
 

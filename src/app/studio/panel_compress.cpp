@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "app/studio/figures.h"
 #include "app/studio/ui.h"
 
 namespace parian {
@@ -19,15 +20,6 @@ constexpr ImU32 grid_color = IM_COL32(66, 67, 70, 255), ink = IM_COL32(160, 160,
 
 ImU32 color_of(int per_pixel) {
   return colors[static_cast<std::size_t>(std::clamp(per_pixel, 1, 5) - 1)];
-}
-
-std::size_t map_bytes(const ProfileMap& map) {
-  return sizeof(float) * (map.log_profile.size() + map.gain.size() + map.dilation.size());
-}
-
-std::string bytes_text(double bytes) {
-  return bytes < 1e6 ? fmt::format("{:.1f} kB", bytes / 1e3)
-                     : fmt::format("{:.2f} MB", bytes / 1e6);
 }
 
 // Bytes by their logarithm to the right, errors upwards from 0.
@@ -62,8 +54,8 @@ void draw_axes(const RateAxes& axes) {
   for (int i = 0; i <= 2; ++i) {
     const float part = 0.5f * static_cast<float>(i);
     const float x = axes.low.x + part * (axes.high.x - axes.low.x);
-    const std::string bytes =
-        bytes_text(axes.least * std::pow(axes.most / axes.least, static_cast<double>(part)));
+    const std::string bytes = bytes_text(static_cast<std::size_t>(
+        axes.least * std::pow(axes.most / axes.least, static_cast<double>(part))));
     const float width = ImGui::CalcTextSize(bytes.c_str()).x;
     if (i == 1) list->AddLine({x, axes.low.y}, {x, axes.high.y}, grid_color);
     list->AddText({std::clamp(x - width / 2, axes.low.x, axes.high.x - width), axes.high.y + 2},
@@ -79,8 +71,8 @@ void draw_axes(const RateAxes& axes) {
 
 std::string describe_point(const CompressedPoint& point) {
   return fmt::format("{} bases, {} per pixel: {}, error {:.2f} %, albedo {:.2f} %", point.bases,
-                     point.per_pixel, bytes_text(static_cast<double>(point.bytes)),
-                     100 * point.relative_error, 100 * point.albedo_error);
+                     point.per_pixel, bytes_text(point.bytes), 100 * point.relative_error,
+                     100 * point.albedo_error);
 }
 
 // A point is chosen by a click on it.
@@ -127,13 +119,11 @@ void draw_list(Ui& ui) {
       show_compressed(studio, index);
     mark(ui.probe, index ? fmt::format("compressed/{}", *index) : "compressed/none");
   };
-  choice(std::nullopt,
-         "the map: " + bytes_text(static_cast<double>(map_bytes(*studio.snapshot->map))));
+  choice(std::nullopt, "the map: " + bytes_text(map_bytes(*studio.snapshot->map)));
   for (std::size_t i = 0; i < studio.compressed.size(); ++i) {
     const CompressedPoint& point = studio.compressed[i];
-    choice(i,
-           fmt::format("{} × {}: {}, {:.1f} %", point.bases, point.per_pixel,
-                       bytes_text(static_cast<double>(point.bytes)), 100 * point.relative_error));
+    choice(i, fmt::format("{} × {}: {}, {:.1f} %", point.bases, point.per_pixel,
+                          bytes_text(point.bytes), 100 * point.relative_error));
     explain(describe_point(point).c_str());
   }
 }

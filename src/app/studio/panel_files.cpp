@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "app/studio/scene_file.h"
 #include "app/studio/studio_files.h"
@@ -53,7 +54,8 @@ void finish_dialog(Ui& ui) {
     case FileDialog::Action::open_layer:
       return open_layer(studio, path);
     case FileDialog::Action::choose:
-      return ui.dialog.then(ui, path);
+      // It may open a dialog of its own, with another continuation.
+      return std::exchange(ui.dialog.then, {})(ui, path);
     case FileDialog::Action::save_recipe:
       return save_recipe(studio, path);
     case FileDialog::Action::save_scene:
@@ -220,8 +222,9 @@ void draw_dialogs(Ui& ui) {
 
 bool draw_quit(Ui& ui) {
   if (!ui.wants_quit) return false;
-  if (!is_unsaved(ui.studio)) return true;
-  switch (ask(ui, "quit", "The recipe is not saved.", "Quit without saving", "Stay")) {
+  const std::string unsaved = what_is_unsaved(ui.studio);
+  if (unsaved.empty()) return true;
+  switch (ask(ui, "quit", unsaved.c_str(), "Quit without saving", "Stay")) {
     case Answer::yes:
       return true;
     case Answer::no:

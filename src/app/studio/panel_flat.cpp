@@ -19,10 +19,7 @@ constexpr ImU32 positive_color = IM_COL32(255, 220, 60, 255);
 constexpr ImU32 negative_color = IM_COL32(255, 60, 220, 255);
 constexpr ImU32 frame_color = IM_COL32(255, 255, 255, 200);
 constexpr ImU32 shadow_color = IM_COL32(0, 0, 0, 160);
-
-bool is_drawing_tool(Tool tool) {
-  return tool != Tool::orbit && tool != Tool::light && tool != Tool::eyedropper;
-}
+constexpr ImU32 grid_color = IM_COL32(0, 0, 0, 60);
 
 // White on black: seen on any map.
 void draw_outline(const FlatFrame& frame, const std::array<double, 4>& box) {
@@ -67,7 +64,7 @@ void draw_present_stroke(const Studio& studio, const FlatFrame& frame) {
 
 void draw_brush(const Studio& studio, const FlatFrame& frame) {
   const bool is_brush =
-      is_drawing_tool(studio.tool) && studio.tool != Tool::stamp && studio.tool != Tool::select;
+      draws_on_map(studio.tool) && studio.tool != Tool::stamp && studio.tool != Tool::select;
   if (!ImGui::IsItemHovered() || !is_brush) return;
   const auto radius = std::max(1.0f, static_cast<float>(studio.brush_radius_mm) * frame.per_mm);
   ImGui::GetWindowDrawList()->AddCircle(
@@ -80,7 +77,7 @@ void handle_flat_mouse(Ui& ui, const FlatFrame& frame, bool on_second) {
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   const double x = static_cast<double>((mouse.x - frame.origin.x) / frame.per_mm),
                y = static_cast<double>((mouse.y - frame.origin.y) / frame.per_mm);
-  if (ImGui::IsItemActivated() && !on_second)
+  if (ImGui::IsItemActivated() && ImGui::IsMouseClicked(0) && !on_second)
     grab_handle(studio, x, y, static_cast<double>(0.6f * ImGui::GetFontSize() / frame.per_mm));
   if (studio.grabbed) {
     if (ImGui::IsItemActive()) drag_handle(studio, x, y);
@@ -89,14 +86,62 @@ void handle_flat_mouse(Ui& ui, const FlatFrame& frame, bool on_second) {
     ++studio.drags;
     return;
   }
-  if (is_drawing_tool(studio.tool)) {
-    if (ImGui::IsItemActive()) extend_stroke(studio, x, y, on_second);
+  if (draws_on_map(studio.tool)) {
+    if (ImGui::IsItemActive() && ImGui::IsMouseDown(0)) extend_stroke(studio, x, y, on_second);
     if (ImGui::IsItemDeactivated()) finish_stroke(studio);
     return;
   }
-  if (!ImGui::IsItemActive()) return;
+  if (!ImGui::IsItemActive() || !ImGui::IsMouseDown(0)) return;
   if (on_second) return pick_second(studio, x, y);
   if (const auto pixel = pixel_at(studio.snapshot->after, x, y)) pick_pixel(studio, *pixel);
+}
+
+// Where the map is drawn.
+struct FlatRoom {
+  ImVec2 corner, size;
+  int columns = 1, rows = 1;
+
+  FlatPlace place(const FlatZoom& zoom) const {
+    return place_flat(zoom, columns, rows, static_cast<double>(size.x),
+                      static_cast<double>(size.y));
+  }
+};
+
+FlatRoom take_room(Ui& ui) {
+  const ImVec2 left = ImGui::GetContentRegionAvail();
+  return {ImGui::GetCursorScreenPos(),
+          {std::max(1.0f, left.x), std::max(1.0f, left.y)},
+          ui.flat.width(),
+          ui.flat.height()};
+}
+
+// The wheel zooms about the pointer, the middle button pans.
+void move_flat(Ui& ui, const FlatRoom& room) {
+  const ImGuiIO& io = ImGui::GetIO();
+  const auto width = static_cast<double>(room.size.x), height = static_cast<double>(room.size.y);
+  if (ImGui::IsItemHovered() && io.MouseWheel != 0)
+    ui.flat_zoom = zoom_flat(ui.flat_zoom, std::pow(1.25, static_cast<double>(io.MouseWheel)),
+                             static_cast<double>(io.MousePos.x - room.corner.x),
+                             static_cast<double>(io.MousePos.y - room.corner.y), room.columns,
+                             room.rows, width, height);
+  if (ImGui::IsItemActive() && ImGui::IsMouseDown(2))
+    ui.flat_zoom =
+        pan_flat(ui.flat_zoom, static_cast<double>(io.MouseDelta.x),
+                 static_cast<double>(io.MouseDelta.y), room.columns, room.rows, width, height);
+}
+
+// Between large pixels.
+void draw_pixel_grid(const FlatFrame& frame, float pixel, ImVec2 low, ImVec2 high) {
+  constexpr float least_pixel = 14;
+  if (pixel < least_pixel) return;
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const auto first = [&](float from, float origin) {
+    return origin + pixel * std::ceil((from - origin) / pixel);
+  };
+  for (float x = first(low.x, frame.origin.x); x < high.x; x += pixel)
+    list->AddLine({x, low.y}, {x, high.y}, grid_color, 1);
+  for (float y = first(low.y, frame.origin.y); y < high.y; y += pixel)
+    list->AddLine({low.x, y}, {high.x, y}, grid_color, 1);
 }
 
 void draw_flat_options(Ui& ui) {
@@ -106,16 +151,23 @@ void draw_flat_options(Ui& ui) {
   if (draw_choice(ui, "flat mode", flat_mode_names(), studio.flat_mode))
     studio.flat_is_stale = true;
   explain("a property of the map, the selected layer's selection, or the sample under a light");
-  ImGui::SameLine();
-  const double pitch = studio.snapshot->after.pixel_pitch_mm;
-  const double least = 0.25 * pitch, most = 0.25 * pitch * studio.snapshot->after.width;
-  const float room = std::max(4 * em, ImGui::GetContentRegionAvail().x);
+  const float spacing = ImGui::GetStyle().ItemSpacing.x, fit = 2.6f * em;
+  flow(5 * em + spacing + fit);
+  const BrushBounds bounds = brush_bounds(studio);
+  const float room = std::max(4 * em, ImGui::GetContentRegionAvail().x - fit - spacing);
   ImGui::SetNextItemWidth(room);
   const auto speed = static_cast<float>(0.01 * studio.brush_radius_mm);
-  ImGui::DragScalar("##brush", ImGuiDataType_Double, &studio.brush_radius_mm, speed, &least, &most,
-                    room > 8 * em ? "brush %.2f mm" : "%.2f mm", ImGuiSliderFlags_AlwaysClamp);
+  ImGui::DragScalar("##brush", ImGuiDataType_Double, &studio.brush_radius_mm, speed,
+                    &bounds.least_mm, &bounds.most_mm, room > 8 * em ? "brush %.2f mm" : "%.2f mm",
+                    ImGuiSliderFlags_AlwaysClamp);
   mark(ui.probe, "brush");
   explain("radius of strokes: drag to the left and right ([ and ])");
+  ImGui::SameLine();
+  ImGui::BeginDisabled(ui.flat_zoom == FlatZoom{});
+  if (ImGui::Button("fit", {fit, 0})) ui.flat_zoom = {};
+  ImGui::EndDisabled();
+  mark(ui.probe, "flat fit");
+  explain("all of the map (Shift+F). Wheel: zoom. Middle button: pan");
   if (studio.second == nullptr) return;
   std::size_t source = studio.flat_shows_second ? 1 : 0;
   ImGui::SetNextItemWidth(std::max(4 * em, ImGui::GetContentRegionAvail().x));
@@ -138,29 +190,38 @@ void draw_flat_view(Ui& ui) {
   draw_flat_options(ui);
   if (studio.flat_picture == nullptr) return;
   if (ui.flat_id != studio.flat_id) {
+    const bool has_other_size = studio.flat_picture->width != ui.flat.width() ||
+                                studio.flat_picture->height != ui.flat.height();
+    if (has_other_size) ui.flat_zoom = {};
     ui.flat.upload(encode_picture(*studio.flat_picture), studio.flat_picture->width,
                    studio.flat_picture->height, /*smooth=*/false);
     ui.flat_id = studio.flat_id;
   }
   const bool on_second = studio.flat_shows_second && studio.second != nullptr;
   if (on_second) shown = &studio.second->state;
-  const double pitch = shown->pixel_pitch_mm;
-  const ImVec2 room = ImGui::GetContentRegionAvail(), corner = ImGui::GetCursorScreenPos();
-  const auto columns = static_cast<float>(ui.flat.width()),
-             rows = static_cast<float>(ui.flat.height());
-  const float zoom_factor = std::max(0.02f, std::min(room.x / columns, room.y / rows));
-  const ImVec2 size{columns * zoom_factor, rows * zoom_factor};
-  const FlatFrame frame{{corner.x + std::max(0.0f, std::floor((room.x - size.x) / 2)),
-                         corner.y + std::max(0.0f, std::floor((room.y - size.y) / 2))},
-                        zoom_factor / static_cast<float>(pitch)};
-  ImGui::SetCursorScreenPos(frame.origin);
+  const FlatRoom room = take_room(ui);
+  const FlatPlace place = room.place(ui.flat_zoom);
+  const FlatFrame frame{
+      {room.corner.x + static_cast<float>(place.x), room.corner.y + static_cast<float>(place.y)},
+      static_cast<float>(place.pixel / shown->pixel_pitch_mm)};
+  const auto pixel = static_cast<float>(place.pixel);
+  const ImVec2 end{frame.origin.x + pixel * static_cast<float>(room.columns),
+                   frame.origin.y + pixel * static_cast<float>(room.rows)};
+  // What of it is seen.
+  const ImVec2 low{std::max(frame.origin.x, room.corner.x),
+                   std::max(frame.origin.y, room.corner.y)},
+      high{std::min(end.x, room.corner.x + room.size.x),
+           std::min(end.y, room.corner.y + room.size.y)};
+  ImGui::SetCursorScreenPos(low);
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const ImVec2 end{frame.origin.x + size.x, frame.origin.y + size.y};
-  list->AddImage(ui.flat.id(), frame.origin, end);
-  ImGui::InvisibleButton("flat", {std::max(1.0f, size.x), std::max(1.0f, size.y)});
+  ImGui::InvisibleButton("flat", {std::max(1.0f, high.x - low.x), std::max(1.0f, high.y - low.y)},
+                         ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonMiddle);
   mark(ui.probe, "flat");
   handle_flat_mouse(ui, frame, on_second);
-  list->PushClipRect(frame.origin, end, true);
+  move_flat(ui, room);
+  list->PushClipRect(low, high, true);
+  list->AddImage(ui.flat.id(), frame.origin, end);
+  draw_pixel_grid(frame, pixel, low, high);
   if (!on_second) draw_selection(studio, frame);
   draw_marks(studio, frame, on_second);
   draw_present_stroke(studio, frame);

@@ -18,10 +18,10 @@ constexpr Shortcut shortcuts[] = {
     {"Ctrl+S, Ctrl+Shift+S", "save the recipe; under another name"},
     {"Ctrl+Z, Ctrl+Y", "undo, redo (also Ctrl+Shift+Z): layers, light, camera"},
     {"Ctrl+Q", "quit"},
-    {"1 … 9", "tools, from top to bottom"},
+    {"1 … 9, 0", "tools, from top to bottom"},
     {"V, Shift+V", "next view mode, previous one"},
     {"M", "show the selection on the mesh"},
-    {"F", "frame the mesh"},
+    {"F, Shift+F", "frame the mesh; all of the map"},
     {"W", "wireframe on and off"},
     {"Space", "the selected layer on and off"},
     {"Delete", "remove the selected layer"},
@@ -33,8 +33,8 @@ constexpr Shortcut shortcuts[] = {
 };
 constexpr Shortcut mouse[] = {
     {"drag", "with the orbit tool: turn the object"},
-    {"middle button", "pan"},
-    {"wheel", "zoom"},
+    {"middle button", "pan, in the 3-D view and on the flat map"},
+    {"wheel", "zoom, in both"},
     {"right button", "turn the chosen lamp, with any tool"},
     {"Ctrl and right button", "turn the environment"},
     {"Ctrl and click", "on a number: type it"},
@@ -152,6 +152,7 @@ void draw_view_menu(Ui& ui) {
       set_mode(studio, static_cast<ViewMode>(i));
   ImGui::Separator();
   if (ImGui::MenuItem("Frame the mesh", "F")) frame_mesh(studio);
+  if (ImGui::MenuItem("All of the map", "Shift+F")) ui.flat_zoom = {};
   if (ImGui::MenuItem("Selection on the mesh", "M", studio.show_selection)) {
     studio.show_selection = !studio.show_selection;
     touch_view(studio);
@@ -207,15 +208,27 @@ void handle_command(Ui& ui, const KeyPress& key) {
   }
 }
 
+// That of the map's strokes has the bounds of its slider, that of masks those of the mesh.
+void scale_brush(Studio& studio, double factor) {
+  if (studio.tool == Tool::mask) {
+    if (studio.stage == nullptr) return;
+    const auto size = static_cast<double>(diagonal(studio.stage->box));
+    double& radius = studio.mask.brush.radius_mm;
+    radius = std::clamp(radius * factor, 1e-3 * size, 0.5 * size);
+  } else if (studio.snapshot != nullptr) {
+    const BrushBounds bounds = brush_bounds(studio);
+    studio.brush_radius_mm =
+        std::clamp(studio.brush_radius_mm * factor, bounds.least_mm, bounds.most_mm);
+  }
+}
+
 // Of the map's layers and brush.
 void handle_map_key(Studio& studio, int key) {
   switch (key) {
     case '[':
-      studio.brush_radius_mm *= 0.8;
-      return;
+      return scale_brush(studio, 0.8);
     case ']':
-      studio.brush_radius_mm *= 1.25;
-      return;
+      return scale_brush(studio, 1.25);
     case key_space:
       return switch_layer(studio);
     case key_delete:
@@ -227,9 +240,9 @@ void handle_map_key(Studio& studio, int key) {
 
 void handle_key(Ui& ui, const KeyPress& key) {
   Studio& studio = ui.studio;
-  const int tool = key.key - '1';
+  const int tool = key.key == '0' ? 9 : key.key - '1';
   if (tool >= 0 && tool < static_cast<int>(tool_names().size()))
-    studio.tool = static_cast<Tool>(tool);
+    choose_tool(studio, static_cast<Tool>(tool));
   switch (key.key) {
     case key_f1:
       ui.shows_help = !ui.shows_help;
@@ -245,7 +258,11 @@ void handle_key(Ui& ui, const KeyPress& key) {
       studio.show_selection = !studio.show_selection;
       return touch_view(studio);
     case 'F':
-      return frame_mesh(studio);
+      if (key.shift)
+        ui.flat_zoom = {};
+      else
+        frame_mesh(studio);
+      return;
     case '-':
       return add_exposure(studio, -0.5);
     case '+':
@@ -292,6 +309,8 @@ void handle_shortcuts(Ui& ui) {
   ui.probe.input.keys += keys.size();
   for (const KeyPress& key : keys) ui.wants_screenshot |= key.key == key_f12;
   if (ImGui::GetIO().WantTextInput || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId)) return;
+  // What is being dragged is no entry yet, and a stroke has the tool that it was begun with.
+  if (ImGui::IsAnyMouseDown()) return;
   for (const KeyPress& key : keys)
     if (key.control)
       handle_command(ui, key);

@@ -149,7 +149,9 @@ void draw_heading(Ui& ui, const EditState& state) {
   Studio& studio = ui.studio;
   static constexpr const char* channels[] = {"red", "green", "blue"};
   for (int c = 0; c < std::min(3, state.channels); ++c) {
-    if (c > 0) ImGui::SameLine();
+    if (c > 0)
+      flow(ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x +
+           ImGui::CalcTextSize(channels[c]).x);
     ImGui::RadioButton(channels[c], &studio.channel, c);
     mark(ui.probe, std::string("channel/") + channels[c]);
   }
@@ -164,8 +166,12 @@ void draw_heading(Ui& ui, const EditState& state) {
   }
   const ProfileProperties properties = measure_properties(
       get_profile(state, studio.channel, studio.inspected.x, studio.inspected.y));
-  ImGui::TextDisabled("albedo %.3f  range %.2f  mean %.2f mm", properties.albedo,
-                      properties.range_mm, properties.mean_radius_mm);
+  ImGui::TextDisabled("albedo %.3f", properties.albedo);
+  for (const std::string& text : {fmt::format("range {:.2f}", properties.range_mm),
+                                  fmt::format("mean {:.2f} mm", properties.mean_radius_mm)}) {
+    flow(ImGui::CalcTextSize(text.c_str()).x);
+    ImGui::TextDisabled("%s", text.c_str());
+  }
 }
 
 void draw_curves(const Studio& studio, const Axes& axes, const Profile& edited) {

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "app/studio/figures.h"
 #include "app/studio/ui.h"
 
 namespace parian {
@@ -18,8 +19,8 @@ void row(const char* name, const std::string& figure) {
 void row_ms(const char* name, double seconds) {
   row(name, fmt::format("{:.1f} ms", 1e3 * seconds));
 }
-void row_mb(const char* name, double bytes) {
-  row(name, fmt::format("{:.2f} MB", bytes / 1e6));
+void row_bytes(const char* name, std::size_t bytes) {
+  row(name, bytes_text(bytes));
 }
 
 void draw_device(const std::string& device, const std::vector<std::string>& warnings) {
@@ -40,24 +41,20 @@ void draw_splatting(const SplatReport& stages) {
   row("samples", std::to_string(stages.samples));
   row("levels", std::to_string(stages.levels));
   row("emitters", std::to_string(stages.splats));
-  row_mb("textures", static_cast<double>(stages.texture_bytes));
+  row_bytes("textures", stages.texture_bytes);
   draw_device(stages.device, stages.warnings);
 }
 
 void draw_live(const LiveReport& stages) {
   ImGui::TextDisabled("precomputed transport");
+  row_ms("loading, once", stages.loading_s);
   row_ms("coefficients", stages.project_s);
   row_ms("update of vertices", stages.update_s);
   row_ms("view", stages.view_s);
   row_ms("shade", stages.shade_s);
   row_ms("read back", stages.read_s);
-  row_mb("textures", static_cast<double>(stages.texture_bytes));
+  row_bytes("textures", stages.texture_bytes);
   draw_device(stages.device, stages.warnings);
-}
-
-double map_bytes(const ProfileMap& map) {
-  return static_cast<double>(sizeof(float) *
-                             (map.log_profile.size() + map.gain.size() + map.dilation.size()));
 }
 
 void draw_material_figures(const Ui& ui) {
@@ -65,10 +62,10 @@ void draw_material_figures(const Ui& ui) {
   if (studio.snapshot != nullptr) {
     row_ms("last edit of the map", studio.snapshot->seconds);
     row_ms("last edit on the screen", studio.edit_shown_ms / 1e3);
-    row_mb("map", map_bytes(*studio.snapshot->map));
+    row_bytes("map", map_bytes(*studio.snapshot->map));
   }
   if (studio.shown_compressed)
-    row_mb("blend", static_cast<double>(studio.compressed[*studio.shown_compressed].bytes));
+    row_bytes("blend", studio.compressed[*studio.shown_compressed].bytes);
   if (studio.stage == nullptr) return;
   row("vertices", std::to_string(studio.stage->scene.mesh.positions.size()));
   row("triangles", std::to_string(studio.stage->scene.mesh.triangles.size()));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "app/studio/mask_tool.h"
 #include "app/studio/stage_layers.h"
 #include "app/studio/ui.h"
 
@@ -87,7 +88,13 @@ bool draw_direction(Ui& ui, const char* label, Vec3& direction) {
 struct DrawMask {
   Ui& ui;
 
-  bool operator()(VertexMask& mask) const { return draw_file(mask.file); }
+  bool operator()(VertexMask& mask) const {
+    if (!mask.file.empty()) return draw_file(mask.file);
+    const VertexGraph& graph = stage_graph(ui.studio);
+    ImGui::TextDisabled("at vertices, %.2g mm apart", graph.edge_mm);
+    explain("what is painted cannot be finer than the mesh");
+    return false;
+  }
   bool operator()(TextureMask& mask) const { return draw_file(mask.file); }
   bool operator()(ProjectedMask& mask) const {
     const bool moved = draw_place(ui, "center", mask.center);
@@ -124,7 +131,8 @@ bool draw_mask(Ui& ui, SurfaceMask& mask) {
     std::size_t kind = before;
     if (draw_names(ui, "mask", mask_kind_names(), kind) && kind != before &&
         kind + 1 < mask_kind_names().size()) {
-      mask = make_mask(kind, ui.studio.stage->box);
+      mask = make_mask(kind, *ui.studio.stage);
+      if (mask_kind_names()[kind] == "painted") choose_tool(ui.studio, Tool::mask);
       changed = true;
     }
     ImGui::SameLine();
@@ -143,6 +151,30 @@ bool draw_mask(Ui& ui, SurfaceMask& mask) {
   return changed;
 }
 
+// The brush, where the tool is in hand.
+void draw_painting(Ui& ui) {
+  Studio& studio = ui.studio;
+  const bool paints = studio.tool == Tool::mask;
+  const float width = ImGui::GetContentRegionAvail().x;
+  if (!paints) {
+    if (ImGui::Button("Paint the mask", {width, 0})) choose_tool(studio, Tool::mask);
+    mark(ui.probe, "paint mask");
+    explain("on the mesh, with the tool 'mask' (0)");
+    return;
+  }
+  ImGui::TextDisabled("brush of the tool 'mask'");
+  draw_numbers(ui, studio.mask.brush);
+  const float spacing = ImGui::GetStyle().ItemSpacing.x;
+  const float half = std::max(1.0f, (width - spacing) / 2);
+  if (ImGui::Button("all", {half, 0})) fill_mask(studio, 1);
+  mark(ui.probe, "mask all");
+  explain("the layer lies everywhere; then erase");
+  ImGui::SameLine(0, spacing);
+  if (ImGui::Button("nothing", {half, 0})) fill_mask(studio, 0);
+  mark(ui.probe, "mask nothing");
+  explain("the layer lies nowhere; then paint");
+}
+
 void draw_layer(Ui& ui, std::size_t index) {
   Studio& studio = ui.studio;
   const SurfaceLayer& layer = *studio.layers[index];
@@ -154,6 +186,8 @@ void draw_layer(Ui& ui, std::size_t index) {
   edits |= draw_mask(ui, changed.mask);
   if (ImGui::CollapsingHeader("mapping")) edits |= draw_numbers(ui, changed.mapping);
   if (edits) set_stage_layer(studio, index, std::move(changed));
+  ImGui::Separator();
+  draw_painting(ui);
 }
 
 }  // namespace

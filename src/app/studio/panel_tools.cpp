@@ -22,6 +22,7 @@ constexpr const char* tool_help[] = {
     "Paint with the picked profile. (7)",
     "Drag a rectangle around a pattern, then click where it goes. (8)",
     "Drag across what to select, or drag the handles. Other shapes: under Layers. (9)",
+    "Paint on the mesh where the layer lies that is chosen under Surface; with Ctrl erase. (0)",
 };
 
 // Pictures in a square from (-1, -1) to (1, 1).
@@ -100,6 +101,13 @@ void draw_select_icon(const Icon& icon) {
     }
 }
 
+// A ball half painted.
+void draw_mask_icon(const Icon& icon) {
+  icon.ring(0.8f, 0.14f);
+  icon.list->PathArcTo(icon.center, 0.8f * icon.size, 0.785398f, 3.926991f, 20);
+  icon.list->PathFillConvex(icon.color);
+}
+
 void draw_icon(Tool tool, const Icon& icon) {
   switch (tool) {
     case Tool::orbit:
@@ -119,6 +127,8 @@ void draw_icon(Tool tool, const Icon& icon) {
       return draw_stamp_icon(icon);
     case Tool::select:
       return draw_select_icon(icon);
+    case Tool::mask:
+      return draw_mask_icon(icon);
   }
 }
 
@@ -134,7 +144,14 @@ bool draw_tool(Tool tool, const char* name, bool is_selected, float height) {
   if (is_selected) ImGui::PopStyleColor(2);
   const ImU32 ink = is_selected ? IM_COL32(25, 22, 16, 255) : ImGui::GetColorU32(ImGuiCol_Text);
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const float text_height = 0.86f * ImGui::GetFontSize();
+  const float em = ImGui::GetFontSize(), text_height = 0.86f * em;
+  // In low buttons the picture stands beside the name.
+  if (height < 2.4f * em) {
+    draw_icon(tool, {{corner.x + 0.6f * em, corner.y + height / 2}, 0.38f * em, ink, list});
+    list->AddText(ImGui::GetFont(), 0.85f * text_height,
+                  {corner.x + 1.15f * em, corner.y + (height - 0.9f * text_height) / 2}, ink, name);
+    return pressed;
+  }
   const float icon = 0.28f * (height - text_height);
   draw_icon(tool,
             {{corner.x + width / 2, corner.y + 0.52f * (height - text_height)}, icon, ink, list});
@@ -174,7 +191,7 @@ void draw_toolbar(Ui& ui) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     const bool is_selected = static_cast<std::size_t>(ui.studio.tool) == i;
     if (draw_tool(static_cast<Tool>(i), names[i].c_str(), is_selected, height))
-      ui.studio.tool = static_cast<Tool>(i);
+      choose_tool(ui.studio, static_cast<Tool>(i));
     mark(ui.probe, "tool/" + names[i]);
     explain(tool_help[i]);
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "app/studio/mask_tool.h"
 #include "app/studio/tools.h"
 #include "app/studio/ui.h"
 #include "scene/camera.h"
@@ -24,10 +25,6 @@ void upload_view(Ui& ui) {
   if (shown == nullptr || shown == ui.view_picture) return;
   ui.view.upload(shown->rgba, shown->width, shown->height, /*smooth=*/true);
   ui.view_picture = shown;
-}
-
-bool is_drawing_tool(Tool tool) {
-  return tool != Tool::orbit && tool != Tool::light && tool != Tool::eyedropper;
 }
 
 void drag_light(Studio& studio, ImVec2 delta, bool environment) {
@@ -59,6 +56,20 @@ void stroke_on_mesh(Ui& ui, ImVec2 at, ImVec2 origin, bool picks) {
   ui.view_stroke.push_back({origin.x + at.x, origin.y + at.y});
 }
 
+// Only what was pressed here paints.
+void paint_on_mesh(Studio& studio, ImVec2 at) {
+  const ImGuiIO& io = ImGui::GetIO();
+  const std::array to{static_cast<double>(at.x), static_cast<double>(at.y)};
+  const std::array from{static_cast<double>(at.x - io.MouseDelta.x),
+                        static_cast<double>(at.y - io.MouseDelta.y)};
+  if (ImGui::IsItemActivated() && ImGui::IsMouseClicked(0)) {
+    begin_mask_stroke(studio, io.KeyCtrl);
+    extend_mask_stroke(studio, to, to);
+  } else if (ImGui::IsMouseDown(0)) {
+    extend_mask_stroke(studio, from, to);
+  }
+}
+
 void drag_camera(Studio& studio, const ImGuiIO& io) {
   const auto dx = static_cast<double>(io.MouseDelta.x), dy = static_cast<double>(io.MouseDelta.y);
   if (ImGui::IsMouseDown(2)) {
@@ -81,21 +92,46 @@ void handle_view_mouse(Ui& ui, ImVec2 origin) {
     zoom(studio.orbit, static_cast<double>(io.MouseWheel));
     touch_view(studio);
   }
-  const bool draws = is_drawing_tool(studio.tool);
+  const bool draws = draws_on_map(studio.tool);
   if (active && ImGui::IsMouseDown(0) && studio.tool == Tool::eyedropper)
     stroke_on_mesh(ui, at, origin, true);
   if (active && draws && ImGui::IsMouseDown(0)) stroke_on_mesh(ui, at, origin, false);
+  if (active && studio.tool == Tool::mask) paint_on_mesh(studio, at);
   if (ImGui::IsItemDeactivated()) {
     if (draws) finish_stroke(studio);
+    finish_mask_stroke(studio);
     ui.view_stroke.clear();
   }
   if (active && (io.MouseDelta.x != 0 || io.MouseDelta.y != 0)) drag_camera(studio, io);
 }
 
+// As large as the brush is where it would touch the mesh.
+void draw_mask_brush(const Studio& studio, ImVec2 origin) {
+  if (!ImGui::IsItemHovered() || studio.stage == nullptr) return;
+  const ImGuiIO& io = ImGui::GetIO();
+  const Camera camera = make_view_camera(studio, 1);
+  const std::optional<SurfacePoint> point =
+      find_point(*studio.stage, camera, static_cast<double>(io.MousePos.x - origin.x),
+                 static_cast<double>(io.MousePos.y - origin.y));
+  const CameraFrame frame = make_camera_frame(camera);
+  const auto depth =
+      static_cast<double>(point ? dot(point->position - camera.position, frame.forward)
+                                : length(camera.target - camera.position));
+  const double per_mm = studio.view_height / (2 * frame.half_height * std::max(1e-6, depth));
+  const bool erases = studio.mask.brush.erases != io.KeyCtrl;
+  const ImU32 color = erases ? negative_color : positive_color;
+  const auto radius = static_cast<float>(studio.mask.brush.radius_mm * per_mm);
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddCircle(io.MousePos, std::max(1.0f, radius), color, 32, 1.5f);
+  const auto inner = static_cast<float>(1 - studio.mask.brush.softness) * radius;
+  if (inner > 3) list->AddCircle(io.MousePos, inner, faint_color, 32, 1);
+}
+
 // The stroke that is being drawn, and how large the brush is where it would touch.
-void draw_brush(const Ui& ui) {
+void draw_brush(const Ui& ui, ImVec2 origin) {
   const Studio& studio = ui.studio;
-  if (!is_drawing_tool(studio.tool) || studio.tool == Tool::stamp || studio.tool == Tool::select ||
+  if (studio.tool == Tool::mask) return draw_mask_brush(studio, origin);
+  if (!draws_on_map(studio.tool) || studio.tool == Tool::stamp || studio.tool == Tool::select ||
       studio.is_homogeneous)
     return;
   const ImU32 color = studio.tool == Tool::scribble_minus ? negative_color : positive_color;
@@ -146,15 +182,16 @@ void draw_view_options(Ui& ui) {
   ImGui::SetNextItemWidth(8 * em);
   if (draw_choice(ui, "view mode", view_mode_names(), studio.mode)) touch_view(studio);
   explain("what the view shows (V); difference: four times what the edits have changed");
-  ImGui::SameLine();
+  flow(ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x +
+       ImGui::CalcTextSize("selection").x);
   if (ImGui::Checkbox("selection", &studio.show_selection)) touch_view(studio);
   mark(ui.probe, "show selection");
-  explain("the selected layer's selection in red (M)");
-  ImGui::SameLine();
+  explain("in red: the selected layer's selection; with the tool 'mask' the painted mask (M)");
+  flow(5.5f * em);
   ImGui::SetNextItemWidth(5.5f * em);
   if (draw_choice(ui, "still", still_names(), studio.still)) touch_view(studio);
   explain("how good the picture becomes while nothing moves; exact: by the CPU renderer");
-  ImGui::SameLine();
+  flow(5.5f * em);
   const float room = std::max(4 * em, ImGui::GetContentRegionAvail().x);
   ImGui::SetNextItemWidth(room);
   auto exposure = static_cast<float>(studio.exposure);
@@ -193,7 +230,7 @@ void draw_view(Ui& ui) {
   list->PushClipRect(origin, {origin.x + size.x, origin.y + size.y}, true);
   if (ui.view.width() > 0)
     list->AddImage(ui.view.id(), origin, {origin.x + size.x, origin.y + size.y});
-  draw_brush(ui);
+  draw_brush(ui, origin);
   draw_lamps(studio, origin, size);
   list->PopClipRect();
 }

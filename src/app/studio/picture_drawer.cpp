@@ -227,6 +227,8 @@ Image PictureDrawer::draw(const PictureRequest& request, const Progress& progres
   if (request.mode == ViewMode::wireframe) draw_wireframe(*request.stage, request.camera, image);
   if (request.mask != nullptr && !request.mask->weight.empty())
     draw_mask(*request.stage, *request.material, *request.mask, request.camera, image);
+  if (request.layer_mask != nullptr)
+    draw_mask(*request.stage, request.layer_mask->mask, request.camera, image);
   return image;
 }
 

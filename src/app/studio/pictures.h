@@ -28,6 +28,7 @@ struct PictureRequest {
   StageLayers layers;                               // over it
   std::shared_ptr<const Material> before;           // for ViewMode::difference; may be null
   std::shared_ptr<const Mask> mask;                 // shown in red; may be null
+  std::shared_ptr<const SurfaceLayer> layer_mask;   // its mask, likewise
   std::shared_ptr<const ReadyTransport> transport;  // of this stage and lighting; may be null
   std::vector<Rgb> light_scales;                    // of its lights
   Lighting lighting;                                // those that are on

@@ -1,5 +1,6 @@
 #include "app/studio/probe.h"
 
+#include "app/studio/stage_layers.h"
 #include "base/error.h"
 #include "io/json/files.h"
 #include "io/json/json.h"
@@ -105,6 +106,13 @@ void describe_picture(Document& state, Probe& probe, const Studio& studio) {
   set(state, "brightness", probe.brightness);
 }
 
+// Mean of a painted mask.
+double painted_part(const SurfaceLayer& layer) {
+  const auto* painted =
+      layer.mask.empty() ? nullptr : std::get_if<VertexMask>(&layer.mask.front().shape);
+  return painted != nullptr ? mean_of(painted->weights) : 0;
+}
+
 // All lights and layers of the surface, and where those are that dragging turns.
 void describe_lights(Document& state, const Studio& studio) {
   const Vec3 middle = studio.stage != nullptr ? center(studio.stage->box) : Vec3{};
@@ -119,8 +127,11 @@ void describe_lights(Document& state, const Studio& studio) {
         Document::Object{{"kind", light_kind_names()[static_cast<std::size_t>(light.kind)]},
                          {"enabled", light.enabled}});
   for (const auto& layer : studio.layers)
-    layers.emplace_back(Document::Object{
-        {"name", layer->material_name}, {"enabled", layer->enabled}, {"opacity", layer->opacity}});
+    layers.emplace_back(Document::Object{{"name", layer->material_name},
+                                         {"enabled", layer->enabled},
+                                         {"opacity", layer->opacity},
+                                         {"mask", mask_kind_names()[mask_kind_of(layer->mask)]},
+                                         {"painted", painted_part(*layer)}});
   set(state, "lights", std::move(lights));
   set(state, "surface", std::move(layers));
 }
@@ -156,6 +167,7 @@ Document describe_state(Probe& probe, const Studio& studio) {
   if (studio.snapshot != nullptr) describe_map(state, studio);
   set(state, "edit_shown_ms", studio.edit_shown_ms);
   set(state, "first_picture_s", probe.first_picture_s);
+  set(state, "flat_zoom", probe.flat_zoom);
   if (studio.picture != nullptr) describe_picture(state, probe, studio);
   if (studio.refined != nullptr) set(state, "refined", static_cast<double>(studio.refined->id));
   set(state, "compressed", studio.compressed.size());

@@ -29,7 +29,8 @@ struct ProbeInput {
 struct Probe {
   std::string path;
   ProbeInput input;
-  double first_picture_s = -1;                // from the program's start
+  double first_picture_s = -1;  // from the program's start
+  double flat_zoom = 1;
   std::map<std::string, WidgetBox> widgets;   // of the present frame
   std::map<std::string, WidgetBox> previous;  // of the one before: what moves cannot be clicked
   std::string last;

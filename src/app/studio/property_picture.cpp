@@ -135,6 +135,20 @@ struct LayeredProperty {
   }
 };
 
+// By half of weight(point).
+template <typename Weight>
+void redden(const Stage& stage, const Camera& camera, Image& image, const Weight& weight) {
+  for_hits(stage, camera, [&](std::size_t pixel, const Hit& hit, const CameraRay&) {
+    const SurfacePoint point = get_surface_point(stage.scene.mesh, hit.triangle, hit.barycentric);
+    const float part = 0.5f * weight(point);
+    const Color3 red{0.9f, 0.05f, 0.05f};
+    for (std::size_t c = 0; c < 3; ++c) {
+      float& value = image.values[3 * pixel + c];
+      value += part * (red[c] - value);
+    }
+  });
+}
+
 Image make_picture(const Stage& stage, const Camera& camera) {
   Image image = make_image(camera.width, camera.height, 3);
   const Rgb ground = stage.scene.background;
@@ -226,15 +240,14 @@ void draw_mask(const Stage& stage, const Material& material, const Mask& mask, c
                Image& image) {
   const SampleGrid grid = grid_of(material);
   if (mask.width != grid.width || mask.height != grid.height) return;
-  for_hits(stage, camera, [&](std::size_t pixel, const Hit& hit, const CameraRay&) {
-    const SurfacePoint point = get_surface_point(stage.scene.mesh, hit.triangle, hit.barycentric);
-    const float weight =
-        0.5f * mask.weight[pixel_of(grid, map_to_sample(stage.scene.mapping, grid, point))];
-    const Color3 red{0.9f, 0.05f, 0.05f};
-    for (std::size_t c = 0; c < 3; ++c) {
-      float& value = image.values[3 * pixel + c];
-      value += weight * (red[c] - value);
-    }
+  redden(stage, camera, image, [&](const SurfacePoint& point) {
+    return mask.weight[pixel_of(grid, map_to_sample(stage.scene.mapping, grid, point))];
+  });
+}
+
+void draw_mask(const Stage& stage, const SurfaceMask& mask, const Camera& camera, Image& image) {
+  redden(stage, camera, image, [&](const SurfacePoint& point) {
+    return static_cast<float>(eval_mask(mask, stage.scene.mesh, point));
   });
 }
 

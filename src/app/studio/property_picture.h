@@ -22,5 +22,6 @@ Image draw_irradiance(const Stage& stage, const Material& material,
 void draw_wireframe(const Stage& stage, const Camera& camera, Image& image);
 void draw_mask(const Stage& stage, const Material& material, const Mask& mask, const Camera& camera,
                Image& image);
+void draw_mask(const Stage& stage, const SurfaceMask& mask, const Camera& camera, Image& image);
 
 }  // namespace parian

@@ -16,7 +16,7 @@ constexpr double publish_s = 0.3;  // between pictures
 
 bool may_refine(const Studio& studio) {
   return studio.still == Still::exact && studio.mode == ViewMode::shaded &&
-         shown_mask(studio) == nullptr;
+         shown_mask(studio) == nullptr && shown_layer_mask(studio) == nullptr;
 }
 
 }  // namespace
@@ -64,7 +64,12 @@ void Refiner::publish(const RefineRequest& request) {
 
 void Refiner::run(const RefineRequest& request, const Progress& progress) {
   const std::lock_guard lock(run_mutex_);
-  prepare(request);
+  try {
+    prepare(request);
+  } catch (...) {
+    refinement_.reset();  // it may hold a part of the request
+    throw;
+  }
   const RefinementReport& report = refinement_->report();
   if (report.done > 0) publish(request);  // nothing moved, or only the exposure
   Stopwatch watch;

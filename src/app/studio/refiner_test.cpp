@@ -104,6 +104,23 @@ TEST(Refiner, ChangesLeaveNothingBehind) {
   check([](RefineRequest& r) { r.stage = make_request().stage; });
 }
 
+TEST(Refiner, FailuresLeaveNothingBehind) {
+  const RefineRequest good = make_request();
+  Refiner refiner(make_params());
+  refiner.run(good, {});
+  RefineRequest bad = good;
+  bad.lighting[0].place = direction_of(-60, 40);
+  SurfaceLayer layer;
+  layer.material = std::make_shared<const Material>(Dipole{.channels = {{0.5, 3, 0}}, .eta = 1.7});
+  bad.layers = {std::make_shared<const SurfaceLayer>(std::move(layer))};
+  for (const auto& stage : {good.stage, make_request().stage}) {
+    bad.stage = stage;
+    EXPECT_THROW(refiner.run(bad, {}), Error);
+    refiner.run(good, {});
+    EXPECT_EQ(refiner.latest()->rgba, draw_brute(good));
+  }
+}
+
 // What is not refined yet is what was there.
 TEST(Refiner, ShowsWhatIsUnderIt) {
   RefineRequest request = make_request();

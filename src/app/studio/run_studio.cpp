@@ -117,7 +117,8 @@ void draw_panels(Ui& ui) {
   constexpr ImGuiWindowFlags fixed =
       ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
   draw_panel(ui, "bar", layout.menu, fixed | ImGuiWindowFlags_MenuBar, draw_menu);
-  draw_panel(ui, "tools", layout.tools, fixed, draw_toolbar);
+  // Of a low window the wheel reaches all of them.
+  draw_panel(ui, "tools", layout.tools, ImGuiWindowFlags_NoScrollbar, draw_toolbar);
   draw_panel(ui, "3-D", layout.view, fixed, draw_view);
   draw_panel(ui, "map", layout.flat, fixed, draw_flat_view);
   draw_panel(ui, "profile", layout.profile, fixed, draw_profile);
@@ -220,9 +221,9 @@ void set_title(Ui& ui) {
       std::filesystem::path(studio.recipe_path.empty() ? studio.material_path : studio.recipe_path)
           .filename()
           .string();
-  ui.window.set_title(name.empty()
-                          ? "Parian Studio"
-                          : name + (is_unsaved(studio) ? " * - " : " - ") + "Parian Studio");
+  ui.window.set_title(name.empty() ? "Parian Studio"
+                                   : name + (what_is_unsaved(studio).empty() ? " - " : " * - ") +
+                                         "Parian Studio");
 }
 
 }  // namespace
@@ -256,6 +257,7 @@ void run_studio(const StudioOptions& options) {
     window.show_frame();
     if (probe.first_picture_s < 0 && ui.view_picture != nullptr) probe.first_picture_s = now();
     set_title(ui);
+    probe.flat_zoom = ui.flat_zoom.factor;
     write_probe(probe, studio);
     if (options.is_cancelled && options.is_cancelled()) throw make_cancelled_error();
   }

@@ -1,7 +1,9 @@
 #include "app/studio/studio_files.h"
 
+#include <algorithm>
 #include <exception>
 
+#include "app/studio/stage_layers.h"
 #include "image/color.h"
 #include "io/blend/blend_file.h"
 #include "io/hdf5/map_file.h"
@@ -57,9 +59,18 @@ void save_compressed(Studio& studio, std::size_t index, const std::string& path)
   }
 }
 
-bool is_unsaved(const Studio& studio) {
-  return studio.snapshot != nullptr && !studio.snapshot->layers.empty() &&
-         studio.snapshot->version != studio.saved_version;
+std::string what_is_unsaved(const Studio& studio) {
+  const bool recipe = studio.snapshot != nullptr && !studio.snapshot->layers.empty() &&
+                      studio.snapshot->version != studio.saved_version;
+  const bool masks =
+      std::any_of(studio.layers.begin(), studio.layers.end(), [&](const auto& layer) {
+        const StageLayers& saved = studio.saved_layers;
+        return mask_kind_names()[mask_kind_of(layer->mask)] == "painted" &&
+               std::find(saved.begin(), saved.end(), layer) == saved.end();
+      });
+  if (recipe && masks) return "The recipe and painted masks of the surface are not saved.";
+  if (masks) return "Painted masks of the surface are not saved (File, Save scene as).";
+  return recipe ? "The recipe is not saved." : "";
 }
 
 }  // namespace parian

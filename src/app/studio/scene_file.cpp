@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "app/cli/inputs.h"
+#include "app/studio/painted_files.h"
 #include "app/studio/studio_files.h"
 #include "fit/fit.h"
 #include "io/blend/blend_file.h"
@@ -69,7 +70,7 @@ void show_scene(Studio& studio, const OpenedScene& scene) {
   studio.orbit = scene.orbit;
   studio.lighting = scene.lighting;
   studio.selected_light = find_light(scene.lighting, scene.lighting.size(), false);
-  studio.layers = scene.layers;
+  studio.layers = studio.saved_layers = scene.layers;
   studio.selected_stage_layer.reset();
   studio.exposure = scene.exposure;
   if (const auto* map = std::get_if<ProfileMap>(&scene.material))
@@ -123,17 +124,21 @@ void save_scene(Studio& studio, const std::string& path) {
       beside = scene.material_file =
           name_beside(path, is_blend ? ".kbm" : ".h5", studio.material_path);
     }
+    std::vector<PaintedFile> painted = name_painted_masks(studio, scene, path);
     for_each_file(scene, [folder = fs::absolute(path).parent_path()](std::string& file) {
       file = fs::path(file).lexically_proximate(folder).string();
     });
     const bool is_whole = scene.layers.size() == studio.layers.size();
     studio.jobs.start(
         "save " + path,
-        [&studio, path, written, beside, is_whole,
+        [&studio, path, written, beside, is_whole, painted = std::move(painted),
+         layers = studio.layers,
          description = write_scene(scene)](const Progress&) -> Jobs::Finish {
           if (written != nullptr) save_material(beside, *written);
+          for (const PaintedFile& file : painted) save_painted(file);
           save_document(path, description);
-          return [&studio, path, is_whole] {
+          return [&studio, path, is_whole, layers] {
+            studio.saved_layers = layers;
             remember(studio, path);
             report(studio, "saved " + path + (is_whole ? "" : " without layers that do not fit"));
           };

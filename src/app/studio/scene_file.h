@@ -37,8 +37,8 @@ void show_scene(Studio& studio, const OpenedScene& scene);
 Scene describe_scene(const Studio& studio);
 // The present material is the file's that it was opened from.
 bool is_material_of_file(const Studio& studio);
-// A map that was edited, or that is from a table, and a blend that was made here are written
-// beside the description.
+// A map that was edited, or that is from a table, a blend that was made here, and painted masks
+// (painted_files.h) are written beside the description.
 void save_scene(Studio& studio, const std::string& path);
 
 }  // namespace parian

@@ -6,6 +6,23 @@
 namespace parian {
 namespace {
 
+bool has_weights_of(const SurfaceMask& mask, const SurfaceMask& other) {
+  const auto weights = [](const SurfaceMask& of) {
+    return of.size() == 1 ? std::get_if<VertexMask>(&of.front().shape) : nullptr;
+  };
+  const VertexMask *one = weights(mask), *two = weights(other);
+  return one == nullptr || (two != nullptr && one->weights == two->weights);
+}
+
+// As many before as after.
+std::string label_of(const StageLayers& before, const StageLayers& after) {
+  for (std::size_t i = 0; i < after.size(); ++i)
+    if (before[i] != after[i] && before[i]->material == after[i]->material &&
+        !has_weights_of(after[i]->mask, before[i]->mask))
+      return "mask of " + after[i]->material_name;
+  return "layer of the scene";
+}
+
 std::string label_of(const SceneState& before, const SceneState& after) {
   if (before.is_homogeneous != after.is_homogeneous)
     return after.is_homogeneous ? "homogeneous material" : "back to the map";
@@ -13,12 +30,25 @@ std::string label_of(const SceneState& before, const SceneState& after) {
   if (before.exposure != after.exposure) return "exposure";
   if (before.layers.size() != after.layers.size())
     return before.layers.size() < after.layers.size() ? "add layer" : "remove layer";
-  if (before.layers != after.layers) return "layer of the scene";
+  if (before.layers != after.layers) return label_of(before.layers, after.layers);
   if (before.lighting.size() != after.lighting.size())
     return before.lighting.size() < after.lighting.size() ? "add light" : "remove light";
   for (std::size_t i = 0; i < after.lighting.size(); ++i)
     if (before.lighting[i].sky != after.lighting[i].sky) return "environment";
   return before.lighting != after.lighting ? "light" : "camera";
+}
+
+// Of masks that it has made.
+std::size_t bytes_of(const SceneEntry& entry) {
+  const StageLayers& before = entry.before.layers;
+  std::size_t bytes = 0;
+  for (const auto& layer : entry.after.layers) {
+    if (std::find(before.begin(), before.end(), layer) != before.end()) continue;
+    for (const MaskTerm& term : layer->mask)
+      if (const auto* painted = std::get_if<VertexMask>(&term.shape))
+        bytes += painted->weights.size() * sizeof(float);
+  }
+  return bytes;
 }
 
 bool moves_only_camera(const SceneState& before, const SceneState& after) {
@@ -65,7 +95,13 @@ void note_scene(SceneHistory& history, const SceneState& state, std::size_t reci
     history.done.push_back({before, state, label_of(before, state), recipe_entries});
     history.undone.clear();
   }
-  if (history.done.size() > max_scene_entries) history.done.erase(history.done.begin());
+  std::size_t bytes = 0, kept = 0;
+  while (kept < std::min(history.done.size(), max_scene_entries)) {
+    bytes += bytes_of(history.done[history.done.size() - 1 - kept]);
+    if (kept > 0 && bytes > history.max_mask_bytes) break;
+    ++kept;
+  }
+  history.done.erase(history.done.begin(), history.done.end() - static_cast<std::ptrdiff_t>(kept));
 }
 
 void forget_camera(SceneHistory& history, const Orbit& orbit) {

@@ -3,6 +3,7 @@
 // own history was, so that both are undone in the order in which they were made.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,8 @@ struct SceneEntry {
 struct SceneHistory {
   std::optional<SceneState> present;  // as last noted
   std::vector<SceneEntry> done, undone;
+  // Painted masks of large meshes: beyond it the oldest entries are given up.
+  std::size_t max_mask_bytes = std::size_t{256} << 20;
 };
 inline constexpr std::size_t max_scene_entries = 1000;
 

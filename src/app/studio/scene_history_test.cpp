@@ -48,6 +48,34 @@ TEST(SceneHistory, NotesWhatChanged) {
                                       "layer of the scene", "remove layer"}));
 }
 
+TEST(SceneHistory, PaintedMasksTakeSoMuchMemory) {
+  SceneHistory history;
+  history.max_mask_bytes = std::size_t{3} * 100 * sizeof(float);
+  SceneState state = lit(1);
+  state.layers.resize(1);
+  for (int i = 0; i < 10; ++i) {
+    SurfaceLayer layer{.material_name = "wax"};
+    layer.mask = {{VertexMask{std::vector<float>(100, 0.1f * static_cast<float>(i))}}};
+    state.layers[0] = std::make_shared<const SurfaceLayer>(std::move(layer));
+    note_scene(history, state, 0);
+  }
+  ASSERT_EQ(history.done.size(), 3u);
+  EXPECT_EQ(history.done.back().after, state);
+  EXPECT_EQ(history.done.back().label, "mask of wax");
+  // Other entries take none, and the last one is there however large it is.
+  for (int i = 0; i < 5; ++i) {
+    state.exposure = i + 1;
+    note_scene(history, state, 0);
+  }
+  EXPECT_EQ(history.done.size(), 8u);
+  history.max_mask_bytes = 1;
+  SurfaceLayer layer;
+  layer.mask = {{VertexMask{std::vector<float>(100, 0.5f)}}};
+  state.layers[0] = std::make_shared<const SurfaceLayer>(std::move(layer));
+  note_scene(history, state, 0);
+  EXPECT_EQ(history.done.size(), 1u);
+}
+
 TEST(SceneHistory, UndoGivesBackEachState) {
   SceneHistory history;
   for (const double lamp : {1.0, 2.0, 3.0}) note_scene(history, lit(lamp), 0);

@@ -129,14 +129,20 @@ void zoom(Orbit& orbit, double steps) {
   orbit.distance_mm = std::clamp(orbit.distance_mm * std::pow(0.9, steps), 1e-3, 1e6);
 }
 
-std::optional<MapPlace> pick(const Stage& stage, const SampleGrid& grid, const Camera& camera,
-                             double px, double py) {
+std::optional<SurfacePoint> find_point(const Stage& stage, const Camera& camera, double px,
+                                       double py) {
   const CameraRay ray = make_camera_ray(camera, px, py);
   const std::optional<Hit> hit =
       stage.tracer.intersect({.origin = ray.origin, .direction = ray.direction});
   if (!hit) return std::nullopt;
-  const SurfacePoint point = get_surface_point(stage.scene.mesh, hit->triangle, hit->barycentric);
-  const SamplePoint place = map_to_sample(stage.scene.mapping, grid, point);
+  return get_surface_point(stage.scene.mesh, hit->triangle, hit->barycentric);
+}
+
+std::optional<MapPlace> pick(const Stage& stage, const SampleGrid& grid, const Camera& camera,
+                             double px, double py) {
+  const std::optional<SurfacePoint> point = find_point(stage, camera, px, py);
+  if (!point) return std::nullopt;
+  const SamplePoint place = map_to_sample(stage.scene.mapping, grid, *point);
   return MapPlace{place.x, place.y};
 }
 

@@ -50,7 +50,9 @@ std::vector<SurfaceLayer> copy_layers(const StageLayers& layers);
 Scene make_scene(const Stage& stage, const Material& material, const StageLayers& layers,
                  const Lighting& lighting, const Camera& camera);
 
-// The place in the map under a pixel of the picture.
+// The surface under a pixel of the picture, and its place in the map.
+std::optional<SurfacePoint> find_point(const Stage& stage, const Camera& camera, double px,
+                                       double py);
 struct MapPlace {
   double x = 0, y = 0;  // pixels, centres at integers
 };

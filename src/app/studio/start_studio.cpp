@@ -8,9 +8,11 @@
 #include <charconv>
 #include <csignal>
 #include <filesystem>
+#include <set>
 #include <utility>
 
 #include "app/cli/inputs.h"
+#include "app/studio/painted_files.h"
 #include "app/studio/scene_file.h"
 #include "app/studio/studio_files.h"
 #include "base/error.h"
@@ -26,15 +28,9 @@ namespace parian {
 namespace {
 
 constexpr std::size_t max_recent = 12;
-constexpr std::string_view autosave_start = "autosave-", autosave_end = ".json";
 
 std::string state_file(const StudioPaths& paths, const std::string& name) {
   return paths.state_folder.empty() ? "" : paths.state_folder + "/" + name;
-}
-
-// What was put aside at the start for the user to decide on.
-std::string aside_path(const StudioPaths& paths) {
-  return state_file(paths, "unsaved.json");
 }
 
 // Small files that nothing depends on: what is wrong with them is a message.
@@ -132,6 +128,9 @@ Saved load_saved(const std::string& path, const Progress& progress) {
   try {
     if (const Document* scene = find(document, "scene"))
       saved.scene = open_scene(*scene, path, progress);
+    if (saved.scene)
+      forget_autosaved_masks({.state_folder = std::filesystem::path(path).parent_path().string()},
+                             saved.scene->layers);
   } catch (const Error& error) {
     if (error.kind == ErrorKind::cancelled) throw;
     saved.scene_error = error.what();
@@ -155,10 +154,20 @@ void show_saved(Studio& studio, const Saved& saved) {
   show_recipe(studio, saved.recipe_file, saved.recipe, "recover");
   if (saved.scene && is_homogeneous) set_homogeneous(studio, studio.homogeneous);
   studio.saved_version = 0;
+  studio.saved_layers.clear();
   report(studio, "recovered the last recipe");
 }
 
 }  // namespace
+
+std::string aside_path(const StudioPaths& paths) {
+  return state_file(paths, "unsaved.json");
+}
+
+bool is_of_ended_run(const std::string& path) {
+  const pid_t process = process_of(std::filesystem::path(path).filename().string());
+  return process > 0 && has_ended(process);
+}
 
 void remember(Studio& studio, const std::string& path) {
   const std::string whole = std::filesystem::absolute(path).string();
@@ -181,16 +190,22 @@ void write_autosave(const Studio& studio) {
   std::error_code ignored;
   if (studio.snapshot->layers.empty() && studio.scene_history.done.empty()) {
     std::filesystem::remove(path, ignored);
-    return;
+    return sweep_painted_masks(studio.paths, {});
   }
   Document document{Document::Object{}};
   set(document, "material", std::filesystem::absolute(studio.material_path).string());
   set(document, "recipe_file", studio.recipe_path);
   set(document, "recipe", studio.snapshot->recipe);
-  if (studio.stage != nullptr) set(document, "scene", write_scene(describe_scene(studio)));
+  std::set<std::string> masks;
+  if (studio.stage != nullptr) {
+    Scene scene = describe_scene(studio);
+    masks = autosave_painted_masks(studio.paths, scene);
+    set(document, "scene", write_scene(scene));
+  }
   save_document(path, document);
   // What it was recovered from.
   if (!studio.recoverable) std::filesystem::remove(aside_path(studio.paths), ignored);
+  sweep_painted_masks(studio.paths, masks);
 }
 
 std::optional<std::string> find_autosave(const StudioPaths& paths) {
@@ -201,8 +216,7 @@ std::optional<std::string> find_autosave(const StudioPaths& paths) {
   if (paths.state_folder.empty()) return std::nullopt;
   for (std::filesystem::directory_iterator at(paths.state_folder, failure), end;
        !failure && at != end; at.increment(failure)) {
-    const pid_t process = process_of(at->path().filename().string());
-    if (process <= 0 || !has_ended(process)) continue;
+    if (!is_of_ended_run(at->path().string())) continue;
     const auto time = at->last_write_time(ignored);
     if (newest.empty() || time > newest_time) {
       newest = at->path();
@@ -217,6 +231,7 @@ void discard_recoverable(Studio& studio) {
   std::error_code ignored;
   if (studio.recoverable) std::filesystem::remove(*studio.recoverable, ignored);
   studio.recoverable.reset();
+  sweep_painted_masks(studio.paths, {});
 }
 
 void recover(Studio& studio) {
@@ -253,6 +268,7 @@ void finish_studio(Studio& studio) {
   // What was recovered has been saved or given up; what was not decided on waits.
   if (!path.empty() && !studio.recoverable)
     std::filesystem::remove(aside_path(studio.paths), ignored);
+  sweep_painted_masks(studio.paths, {});
   Document layout{Document::Object{}};
   set(layout, "map", static_cast<double>(studio.shares.map));
   set(layout, "side", static_cast<double>(studio.shares.side));

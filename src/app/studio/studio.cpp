@@ -18,9 +18,25 @@ Camera make_view_camera(const Studio& studio, double scale) {
 
 std::shared_ptr<const Mask> shown_mask(const Studio& studio) {
   if (!studio.show_selection || studio.snapshot == nullptr || !studio.selected_layer ||
-      *studio.selected_layer >= studio.snapshot->layers.size())
+      *studio.selected_layer >= studio.snapshot->layers.size() || studio.tool == Tool::mask)
     return nullptr;
   return studio.snapshot->layers[*studio.selected_layer].mask;
+}
+
+std::shared_ptr<const SurfaceLayer> shown_layer_mask(const Studio& studio) {
+  if (!studio.show_selection || studio.tool != Tool::mask || !studio.selected_stage_layer ||
+      *studio.selected_stage_layer >= studio.layers.size())
+    return nullptr;
+  const StageLayers shown = shown_layers(studio);
+  const auto& chosen = studio.layers[*studio.selected_stage_layer];
+  return std::find(shown.begin(), shown.end(), chosen) != shown.end() ? chosen : nullptr;
+}
+
+void choose_tool(Studio& studio, Tool tool) {
+  if (studio.tool == tool) return;
+  const bool changes_red = studio.tool == Tool::mask || tool == Tool::mask;
+  studio.tool = tool;
+  if (studio.show_selection && changes_red) touch_view(studio);
 }
 
 StageLayers shown_layers(const Studio& studio) {
@@ -56,6 +72,7 @@ void request_picture(Studio& studio, bool fine) {
       .layers = shown_layers(studio),
       .before = studio.original,
       .mask = shown_mask(studio),
+      .layer_mask = shown_layer_mask(studio),
       .transport = std::move(transport),
       .light_scales = std::move(scales),
       .lighting = only_enabled(studio.lighting),
@@ -181,7 +198,7 @@ void update_autosave(Studio& studio) {
 
 const std::vector<std::string>& tool_names() {
   static const std::vector<std::string> names{"orbit", "light", "scribble +", "scribble -", "brush",
-                                              "pick",  "paint", "stamp",      "select"};
+                                              "pick",  "paint", "stamp",      "select",     "mask"};
   return names;
 }
 

@@ -23,6 +23,7 @@
 #include "compress/compress_params.h"
 #include "material/bssrdf_table.h"
 #include "material/slices.h"
+#include "scene/mask_brush.h"
 
 namespace parian {
 
@@ -35,7 +36,8 @@ enum class Tool {
   eyedropper,
   paint,
   stamp,
-  select
+  select,
+  mask
 };
 const std::vector<std::string>& tool_names();
 
@@ -81,6 +83,17 @@ struct Stroke {
   bool ended = false;      // the last line
 };
 
+// Painting of the chosen surface layer's mask (mask_tool.h).
+struct MaskTool {
+  MaskBrush brush;
+  std::optional<MaskStroke> stroke;           // while it is drawn
+  std::size_t index = 0;                      // of its layer
+  std::shared_ptr<const SurfaceLayer> layer;  // as it has made it
+  std::optional<Vec3> last;                   // where it touched the mesh
+  std::shared_ptr<const VertexGraph> graph;   // of this stage
+  std::shared_ptr<const Stage> stage;
+};
+
 // A blend that was made of the map, for the rate-distortion list.
 struct CompressedPoint {
   int bases = 0, per_pixel = 2;
@@ -92,6 +105,12 @@ struct CompressedPoint {
 // R_d between the inspected pixel and another one, as it was measured.
 struct MeasuredPair {
   double r_mm = 0, value = 0;
+};
+
+// Until what was named before it is open.
+struct WaitingFile {
+  std::string path;
+  bool is_second = false;  // the second material
 };
 
 struct Message {
@@ -137,7 +156,8 @@ struct Studio {
   Orbit orbit;
   Lighting lighting;
   std::size_t selected_light = 0;
-  StageLayers layers;  // over the material
+  StageLayers layers;        // over the material
+  StageLayers saved_layers;  // as a scene's file has them
   std::optional<std::size_t> selected_stage_layer;
   double exposure = 0;
   ViewMode mode = ViewMode::shaded;
@@ -179,6 +199,7 @@ struct Studio {
   Stroke stroke;                               // while it is drawn
   std::deque<Stroke> waiting_strokes;          // until the editor has done the last one
   std::optional<StampSource> stamp_source;
+  MaskTool mask;
 
   // Compression.
   CompressParams compression;
@@ -188,7 +209,8 @@ struct Studio {
   std::deque<Message> messages;
   std::size_t unseen_errors = 0;  // the last of them stands over the view
   std::vector<std::string> recent;
-  std::deque<std::string> waiting_files;   // until the map that they need is open
+  std::deque<WaitingFile> waiting_files;   // until the map that they need is open
+  std::string base_job, mesh_job;          // that open what is shown next
   std::optional<std::string> recoverable;  // path of an autosaved recipe
   std::uint64_t drags = 0;  // finished ones: a drag of a slider is one entry of the history
   double now_s = 0;
@@ -226,8 +248,11 @@ void note_scene_now(Studio& studio);
 Camera make_view_camera(const Studio& studio, double scale);
 // The layers that the view shows.
 StageLayers shown_layers(const Studio& studio);
-// The selection that the view shows; null: none.
+// What the view shows in red: the selection, or with the tool `mask` that of the chosen surface
+// layer; null: neither.
 std::shared_ptr<const Mask> shown_mask(const Studio& studio);
+std::shared_ptr<const SurfaceLayer> shown_layer_mask(const Studio& studio);
+void choose_tool(Studio& studio, Tool tool);
 
 // Marks the 3-D view, or all pictures of the map, as old.
 void touch_view(Studio& studio);

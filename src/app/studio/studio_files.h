@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/studio/studio.h"
@@ -12,10 +13,11 @@ namespace parian {
 // Tables (fitted first), maps, blends, meshes, recipes, scenes, environments (EXR, HDR) and
 // photographs (PNG, JPEG), from which a material is made.
 void open_file(Studio& studio, const std::string& path);
-// Several at once: recipes and photographs after the map that they come with. Once a frame
-// open_waiting goes on with them.
+// Several at once. Of materials the first is edited, the second one is there to pick from; recipes
+// and photographs come after the map that they come with. Once a frame open_waiting goes on.
 void open_files(Studio& studio, const std::vector<std::string>& paths);
 void open_waiting(Studio& studio);
+bool is_environment_image(const std::string& path);  // by its name: EXR, HDR
 // A map or blend to take profiles and patterns from.
 void open_second(Studio& studio, const std::string& path);
 // A map or blend that becomes a layer over the material.
@@ -26,11 +28,16 @@ void save_map(Studio& studio, const std::string& path);
 void save_picture(Studio& studio, const std::string& path);
 void save_compressed(Studio& studio, std::size_t index, const std::string& path);
 
-// There are layers that no file holds.
-bool is_unsaved(const Studio& studio);
+// What no file holds, as a sentence; empty: nothing. The recipe, and what was painted on the
+// surface.
+std::string what_is_unsaved(const Studio& studio);
 void write_autosave(const Studio& studio);
 // Each running editor has a file of its own; empty without a folder for state.
 std::string autosave_path(const StudioPaths& paths);
+inline constexpr std::string_view autosave_start = "autosave-", autosave_end = ".json";
+bool is_of_ended_run(const std::string& autosave);
+// What was put aside at the start for the user to decide on.
+std::string aside_path(const StudioPaths& paths);
 // What another run has left, put aside for `recover`; none: nothing.
 std::optional<std::string> find_autosave(const StudioPaths& paths);
 // Takes up what find_autosave has found, or throws it away.

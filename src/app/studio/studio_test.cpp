@@ -283,6 +283,34 @@ TEST(Studio, RecipesWaitForTheMapThatTheyComeWith) {
   EXPECT_TRUE(studio.waiting_files.empty());
 }
 
+// The order in which they are named counts, not which is read faster.
+TEST(Studio, OfTwoMapsTheSecondIsToPickFrom) {
+  const StateFolder folder;
+  Studio studio;
+  start_small(studio, folder);
+  studio.still = Still::draft;
+  run(studio);
+  ProfileMap large = make_profile_map(200, 150, 3, 0.5, {0, 1, 2, 3});
+  for (std::size_t i = 0; i < large.log_profile.size(); ++i) large.log_profile[i] = -2;
+  const std::string first = folder.path + "/large.h5", second = folder.path + "/small.h5";
+  save_profile_map(first, large);
+  save_profile_map(second, make_map());
+  for (const bool is_turned : {false, true}) {
+    const std::string &base = is_turned ? second : first, &other = is_turned ? first : second;
+    open_files(studio, {base, other, folder.path + "/small.h5"});
+    EXPECT_NE(studio.messages.back().text.find("small.h5: not opened"), std::string::npos);
+    run(studio);
+    EXPECT_EQ(studio.material_path, base);
+    ASSERT_NE(studio.second, nullptr);
+    EXPECT_EQ(studio.second->path, other);
+    // Of two that are opened one after the other the later one is shown.
+    open_file(studio, other);
+    open_file(studio, base);
+    run(studio);
+    EXPECT_EQ(studio.material_path, base);
+  }
+}
+
 TEST(Studio, CompressionsAreInOrder) {
   const StateFolder folder;
   Studio studio;
@@ -330,7 +358,7 @@ TEST(Studio, ARecipeThatFailsLeavesThePresentOne) {
   open(make_adjust(3));
   ASSERT_EQ(studio.snapshot->layers.size(), 1u);
   EXPECT_EQ(as_number(get(studio.snapshot->layers[0].source, "range_scale")), 3);
-  EXPECT_FALSE(is_unsaved(studio));
+  EXPECT_EQ(what_is_unsaved(studio), "");
 }
 
 TEST(Studio, TheSameErrorIsOneMessage) {

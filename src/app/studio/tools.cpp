@@ -188,6 +188,17 @@ void apply_strokes(Studio& studio) {
   if (!next.on_second || studio.second != nullptr) apply_stroke(studio, next);
 }
 
+bool draws_on_map(Tool tool) {
+  return tool != Tool::orbit && tool != Tool::light && tool != Tool::eyedropper &&
+         tool != Tool::mask;
+}
+
+BrushBounds brush_bounds(const Studio& studio) {
+  const EditState& state = studio.snapshot->after;
+  const double pitch = state.pixel_pitch_mm;
+  return {0.25 * pitch, std::max(pitch, 0.25 * pitch * std::max(state.width, state.height))};
+}
+
 std::optional<MapPixel> pixel_at(const EditState& state, double x_mm, double y_mm) {
   const double x = std::floor(x_mm / state.pixel_pitch_mm),
                y = std::floor(y_mm / state.pixel_pitch_mm);

@@ -42,6 +42,14 @@ void break_stroke(Studio& studio);  // what comes next is a line of its own
 void finish_stroke(Studio& studio);
 void apply_strokes(Studio& studio);
 
+// Its strokes are drawn on the map, in its flat view or on the mesh.
+bool draws_on_map(Tool tool);
+// Of the radius of such strokes: a part of a pixel, a part of the map.
+struct BrushBounds {
+  double least_mm = 0, most_mm = 0;
+};
+BrushBounds brush_bounds(const Studio& studio);
+
 // The eyedropper, and where profiles are plotted.
 void pick_pixel(Studio& studio, MapPixel pixel);
 // The eyedropper on the second material.

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/studio/flat_zoom.h"
 #include "app/studio/probe.h"
 #include "app/studio/studio.h"
 #include "app/studio/window.h"
@@ -47,6 +48,7 @@ struct Ui {
   ScreenTexture view, flat;
   std::shared_ptr<const Picture> view_picture;  // what the texture shows
   std::uint64_t flat_id = 0;
+  FlatZoom flat_zoom;
   FileDialog dialog;
   bool shows_help = false;
   bool wants_quit = false;
@@ -115,6 +117,8 @@ bool draw_choice(Ui& ui, const std::string& group, const std::vector<std::string
   value = static_cast<Enum>(index);
   return true;
 }
+// The next item stands beside the last one where there is room for its width, else below.
+void flow(float width);
 // Help for the item that ImGui drew last.
 void explain(const char* text);
 

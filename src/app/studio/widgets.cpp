@@ -29,6 +29,12 @@ bool draw_names(Ui& ui, const std::string& group, const std::vector<std::string>
   return changed;
 }
 
+void flow(float width) {
+  const float spacing = ImGui::GetStyle().ItemSpacing.x;
+  const float end = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  if (ImGui::GetItemRectMax().x + spacing + width <= end) ImGui::SameLine();
+}
+
 void explain(const char* text) {
   if (!ImGui::IsItemHovered()) return;
   ImGui::BeginTooltip();
