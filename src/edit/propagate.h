@@ -71,10 +71,4 @@ Propagation propagate(const NeighbourGraph& graph, const Features& features,
 std::vector<float> normalise_indicators(const Propagation& propagation,
                                         const std::vector<bool>& positive);
 
-// Both, with params.rest set when no stroke with a pixel of positive weight is negative: 1 under
-// positive strokes, 0 under negative ones.
-std::vector<float> propagate_mask(const NeighbourGraph& graph, const Features& features,
-                                  const std::vector<StrokePixel>& pixels,
-                                  const std::vector<bool>& positive, PropagateParams params = {});
-
 }  // namespace parian
