@@ -114,12 +114,26 @@ RecipeLoaders make_recipe_loaders(const std::string& folder) {
   return loaders;
 }
 
-void check_output(const std::string& path, const std::vector<std::string>& inputs) {
+bool is_same_file(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
   std::error_code ignored;
+  return !a.empty() && !b.empty() &&
+         (fs::equivalent(a, b, ignored) || fs::weakly_canonical(fs::absolute(a), ignored) ==
+                                               fs::weakly_canonical(fs::absolute(b), ignored));
+}
+
+void check_output(const std::string& path, const std::vector<std::string>& inputs) {
   for (const std::string& input : inputs)
-    if (std::filesystem::equivalent(path, input, ignored))
+    if (is_same_file(path, input))
       throw Error({path, {}, "an output of another name", "the input"}, ErrorKind::usage);
   check_writable(path);
+}
+
+void check_unused(const ParamList& given, const ParamList& defaults, const std::string& expected,
+                  const std::string& found) {
+  for (std::size_t i = 0; i < given.size(); ++i)
+    if (format_value(given[i]) != format_value(defaults[i]))
+      throw Error({{}, "--" + given[i].name, expected, found}, ErrorKind::usage);
 }
 
 PlotPixel parse_pixel(const std::string& text, const TableHeader& header) {

@@ -39,8 +39,16 @@ LoadedScene load_scene(const Document& document, const std::string& path, Disabl
 // Maps (or blends as maps), images and tables by paths relative to a recipe's folder.
 RecipeLoaders make_recipe_loaders(const std::string& folder);
 
+// By whatever names, and where there is none yet.
+bool is_same_file(const std::string& a, const std::string& b);
+
 // Before long work: throws when a result cannot be written or would replace an input.
 void check_output(const std::string& path, const std::vector<std::string>& inputs);
+
+// Parameters that mean nothing here must have their defaults: the Error, of usage, names the first
+// that has not.
+void check_unused(const ParamList& given, const ParamList& defaults, const std::string& expected,
+                  const std::string& found);
 
 // "X,Y", inside the grid.
 PlotPixel parse_pixel(const std::string& text, const TableHeader& header);

@@ -206,7 +206,6 @@ void render_file(RenderOptions options, const Context& context) {
     check_output(options.output, {options.scene});
   }
   if (!options.sweep.empty()) parse_sweep(options.sweep);
-  check_figures(context);
   LoadedScene loaded = load_scene(options.scene);
   if (options.output.empty()) {
     if (loaded.scene.output.empty())
