@@ -33,6 +33,7 @@ struct PropagateParams {
   bool rest = false;
 };
 ParamList describe(PropagateParams& params);
+Param appearance_sigma_param(double& sigma);  // of either solver
 
 // lambda = strength default_smoothness / k: all edges of a pixel together weigh 1/50 of a stroke.
 inline constexpr double default_smoothness = 0.02;

@@ -173,7 +173,7 @@ TEST(SurfaceMask, Errors) {
   ProjectedMask projected;
   projected.up = {0, 0, 1};
   EXPECT_EQ(error_of({{projected}}),
-            "s.json: /layers/0/mask up: expected another direction than that in which it is cast, "
+            "s.json: /layers/0/mask/up: expected another direction than that in which it is cast, "
             "found the same");
   EXPECT_EQ(error_of({{VertexMask{{1, 0}}}}, plain),
             "s.json: /layers/0/mask: expected 24 weights, one per vertex of the mesh, found 2");

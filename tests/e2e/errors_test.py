@@ -65,6 +65,17 @@ class Usage(program.ProgramTest):
                        "fit", "table.h5", "-o", "table.h5")
         self.assertEqual(self.read_bytes("table.h5"), before)
 
+    def test_output_must_not_be_what_a_recipe_reads(self):
+        self.succeed("simulate", "sample.json", "-o", "table.h5")
+        self.succeed("fit", "table.h5", "-o", "map.h5")
+        self.succeed("fit", "table.h5", "-o", "other.h5", "--segments", "3")
+        self.write_json("recipe.json", {"format": "parian-recipe", "version": 1, "layers": [
+            {"operation": "blend", "from": {"map": "other.h5"}}]})
+        before = self.read_bytes("other.h5")
+        self.fail_with(2, "./other.h5: expected an output of another name, found the input",
+                       "edit", "map.h5", "-r", "recipe.json", "-o", "./other.h5")
+        self.assertEqual(self.read_bytes("other.h5"), before)
+
     def test_figures_must_not_take_the_place_of_a_file_in_use(self):
         before = self.read_bytes("sample.json")
         for name in ("sample.json", "./sample.json", str(self.folder / "sample.json")):
@@ -132,6 +143,15 @@ class BadInput(program.ProgramTest):
                        "capture", ".", "-o", "t.h5", "--blur-px", "3")
         self.fail_with(1, "b.kbm: expected a table or a profile map, found a blend",
                        "compress", "b.kbm", "-o", "c.kbm")
+        render = ("render", "scene.json", "-o", "a.png")
+        self.fail_with(2, "--tolerance: expected --method tree with it, found --method splat",
+                       *render, "--method", "splat", "--tolerance", "0.1")
+        self.fail_with(2, "--quality: expected --method tree with it, found --method brute",
+                       *render, "--method", "brute", "--quality", "0.1")
+        self.fail_with(2, "--shading: expected --method tree with it, found --method splat",
+                       *render, "--method", "splat", "--shading", "vertex")
+        self.fail_with(2, "--rays: expected a picture without --transport, found t.h5",
+                       *render, "--transport", "t.h5", "--rays", "16")
 
     def test_folders_that_cannot_be_made_fail_before_the_work(self):
         self.succeed("fit", "table.h5", "-o", "map.h5")

@@ -217,10 +217,12 @@ void edit(const EditOptions& options, const Context& context) {
     if (!folder.empty()) make_folder(folder);
   const Source source = open_source(options);
   check_kinds(options, source);
+  std::vector<std::string> files;
   EditSession session = make_edit_session(
       source.map,
-      make_recipe_loaders(std::filesystem::path(options.recipe).parent_path().string()));
+      make_recipe_loaders(std::filesystem::path(options.recipe).parent_path().string(), &files));
   set_recipe(session, load_document(options.recipe));
+  check_output(options.output, files);
   const std::vector<LayerFigures> figures = run_layers(session, context.progress);
   const EditState result = evaluate(session, context.progress);
   save(options, source, session, result);

@@ -99,9 +99,11 @@ LoadedScene load_scene(const Document& document, const std::string& path, Disabl
   return loaded;
 }
 
-RecipeLoaders make_recipe_loaders(const std::string& folder) {
-  const auto resolve = [folder = std::filesystem::path(folder)](const std::string& name) {
-    return (folder / name).string();
+RecipeLoaders make_recipe_loaders(const std::string& folder, std::vector<std::string>* files) {
+  const auto resolve = [folder = std::filesystem::path(folder), files](const std::string& name) {
+    std::string path = (folder / name).string();
+    if (files != nullptr) files->push_back(path);
+    return path;
   };
   RecipeLoaders loaders;
   loaders.load_map = [resolve](const std::string& name) {
@@ -127,6 +129,14 @@ void check_output(const std::string& path, const std::vector<std::string>& input
     if (is_same_file(path, input))
       throw Error({path, {}, "an output of another name", "the input"}, ErrorKind::usage);
   check_writable(path);
+}
+
+Param deflate_param(int& deflate) {
+  return {.name = "deflate",
+          .help = "compression of the table, 0 for none",
+          .target = &deflate,
+          .min = 0,
+          .max = 9};
 }
 
 void check_unused(const ParamList& given, const ParamList& defaults, const std::string& expected,

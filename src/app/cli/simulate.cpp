@@ -48,11 +48,7 @@ ParamList describe(SimulateOptions& options) {
        .target = &options.seed,
        .min = -1}};
   for (Param& param : describe_photons(options.run)) params.push_back(std::move(param));
-  params.push_back({.name = "deflate",
-                    .help = "compression of the table, 0 for none",
-                    .target = &options.run.deflate,
-                    .min = 0,
-                    .max = 9});
+  params.push_back(deflate_param(options.run.deflate));
   return params;
 }
 

@@ -174,7 +174,7 @@ TEST_F(MeshFile, PlyHeadersAreChecked) {
   EXPECT_EQ(error_of("a.ply", replaced(ply, "float z", "float w")),
             "vertex 0: expected the properties x, y and z, found other properties");
   EXPECT_EQ(error_of("a.ply", replaced(ply, "vertex 4", "vertex 4000000000")),
-            "vertex 0: expected the 4000000000 of the header, found room for 14 in the file");
+            "vertex 0: expected the 4000000000 of the header, found room for 7 in the file");
   EXPECT_EQ(error_of("a.ply", replaced(ply, "vertex 4", "vertex 1e3")),
             "line 4: expected a number of elements below 2^32, found '1e3'");
   EXPECT_EQ(error_of("a.ply", replaced(ply, "\n0 1 0 9", "\n0 1x 0 9")),
