@@ -169,7 +169,7 @@ TEST(SurfaceMask, Errors) {
   EXPECT_EQ(error_of({{NoiseMask{}}, {GradientMask{{1, 1, 1}, {1, 1, 1}}}}),
             "s.json: /layers/0/mask/1/to: expected another point than 'from', found the same");
   EXPECT_EQ(error_of({{SlabMask{{}, {0, 2, 0}}}}),
-            "s.json: /layers/0/mask direction: expected a unit vector, found [0, 2, 0]");
+            "s.json: /layers/0/mask/direction: expected a unit vector, found [0, 2, 0]");
   ProjectedMask projected;
   projected.up = {0, 0, 1};
   EXPECT_EQ(error_of({{projected}}),
