@@ -40,9 +40,9 @@ void compile_materials() {
     EXPECT_NO_THROW((void)make_program(screen, {"material.glsl", "rows_fragment.glsl"}, variant));
     for (const std::vector<std::string>& more :
          {std::vector<std::string>{}, {"SINGLE"}, {"SINGLE", "MEAN"}, {"SINGLE", "PIXELS 2"}})
-      EXPECT_NO_THROW(
-          (void)make_program(screen, {"material.glsl", "octahedral.glsl", "resolve_fragment.glsl"},
-                             with(variant, more)));
+      EXPECT_NO_THROW((void)make_program(
+          screen, {"camera.glsl", "facing.glsl", "material.glsl", "resolve_fragment.glsl"},
+          with(variant, more)));
   }
 }
 
@@ -54,13 +54,23 @@ void compile_transport() {
       (void)make_program({"camera.glsl", "exitance_vertex.glsl"}, {"exitance_fragment.glsl"}));
 }
 
+void compile_splats() {
+  for (const bool on_software : {false, true}) {
+    SplatPrograms programs = make_splat_programs(on_software);
+    for (unsigned i = 0; i < programs.splat.size(); ++i) {
+      const auto has = [&](unsigned bit) { return (i >> bit & 1u) != 0; };
+      EXPECT_NO_THROW((void)get_splat_program(programs, {has(0), has(1), has(2), has(3), has(4)}));
+    }
+    for (const Program& program : programs.splat) EXPECT_NE(program.handle.get(), 0u);
+  }
+}
+
 TEST(Shaders, CompileInBothKindsOfContexts) {
   for (const ContextKind kind : {ContextKind::embedded, ContextKind::desktop}) {
     const OffscreenContext context(kind);
     compile_materials();
     compile_transport();
-    for (const bool on_software : {false, true})
-      EXPECT_NO_THROW((void)make_splat_programs(on_software));
+    compile_splats();
     EXPECT_NO_THROW((void)make_fit_programs());
     EXPECT_NO_THROW((void)make_source_programs());
     EXPECT_NO_THROW((void)make_shading_programs());

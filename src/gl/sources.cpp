@@ -28,15 +28,6 @@ std::vector<float> pack(std::size_t count, const auto& get) {
   return values;
 }
 
-// A unit vector as pack_normal of shaders/octahedral.glsl packs it.
-float pack_normal(Vec3 n) {
-  const float sum = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
-  Vec2 e{n.x / sum, n.y / sum};
-  if (n.z < 0) e = {std::copysign(1 - std::abs(e.y), e.x), std::copysign(1 - std::abs(e.x), e.y)};
-  const auto steps = [](float v) { return std::floor(2047.5f * (v + 1) + 0.5f); };
-  return 1 + steps(e.x) + 4096 * steps(e.y);
-}
-
 Texture make_line_texture(std::size_t count, int blocks, const char* what, const void* data) {
   return make_texture(TexelFormat::rgba32f, line_width, lines_of(count) * blocks, what, data);
 }
@@ -69,8 +60,7 @@ Sources make_sources(const std::vector<SurfacePoint>& samples, const std::vector
   Sources sources;
   sources.area_mm2 = area_mm2;
   const std::size_t count = samples.size();
-  auto position = pack(count, [&](std::size_t i) { return samples[i].position; });
-  for (std::size_t i = 0; i < count; ++i) position[4 * i + 3] = pack_normal(samples[i].normal);
+  const auto position = pack(count, [&](std::size_t i) { return samples[i].position; });
   const int blocks = static_cast<int>(radial.nodes.size()) + 1;
   for (int l = 0; l < radial.count; ++l) {
     SourceLevel level;
@@ -80,7 +70,8 @@ Sources make_sources(const std::vector<SurfacePoint>& samples, const std::vector
     level.positions =
         make_line_texture(size, 1, "places of samples", l == 0 ? position.data() : nullptr);
     level.rows = make_line_texture(size, blocks, "profiles of samples", nullptr);
-    for (Texture& fit : level.fit) fit = make_line_texture(size, 1, "fits of samples", nullptr);
+    for (int i = 0; i < (l == 0 ? 4 : 3); ++i)
+      level.fit.push_back(make_line_texture(size, 1, "fits of samples", nullptr));
     sources.levels.push_back(std::move(level));
   }
   const auto place = pack(count, [&](std::size_t i) { return Vec3{places[i].x, places[i].y, 0}; });

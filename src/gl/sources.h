@@ -15,7 +15,7 @@ struct SourceLevel {
   int lines = 0;      // rows of texels that hold one value of each
   Texture positions;  // mm; of samples w has the packed normal
   Texture rows;       // [node][source]: exp(h) (level 0) or moments; after the last 1, or the flux
-  std::array<Texture, 3> fit;  // splat_fit.h
+  std::vector<Texture> fit;  // shaders/fit_fragment.glsl
 };
 
 struct Sources {

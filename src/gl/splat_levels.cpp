@@ -14,7 +14,6 @@ namespace parian {
 namespace {
 
 constexpr int tile = 8;  // texels of a side
-constexpr int kernel_steps = 1024;
 // B is kept where it lies farther from A than this many texels' sides.
 constexpr double layer_distance = 1.5;
 
@@ -35,21 +34,24 @@ ViewLevel make_view_level(int width, int height, int block, bool is_single, Spla
   ViewLevel level;
   level.block = block;
   level.layers = block == 1 ? 1 : 2;
-  const auto make = [&](TexelFormat texels) {
+  const auto make_layers = [&](TexelFormat texels) {
     return make_texture_array(texels, width, height, level.layers, "camera pyramid");
   };
-  level.positions = make(TexelFormat::rgba32f);
-  level.sums = make(format.sums);
+  level.sums = make_layers(format.sums);
   if (is_single) {
-    level.near = make(format.sums);
-    if (format.with_mean) level.mean = make(format.sums);
+    level.near = make_layers(format.sums);
+    if (format.with_mean) level.mean = make_layers(format.sums);
   }
   for (int layer = 0; layer < level.layers; ++layer) {
-    level.depth.push_back(make_texture(TexelFormat::depth32f, width, height, "camera pyramid"));
+    const auto make = [&](TexelFormat texels, int size) {
+      return make_texture(texels, blocks_of(width, size), blocks_of(height, size),
+                          "camera pyramid");
+    };
+    level.positions.push_back(make(TexelFormat::rgba32f, 1));
+    level.depth.push_back(make(TexelFormat::depth32f, 1));
     level.represent.push_back(
-        make_framebuffer({{&level.positions, layer}}, "camera pyramid", {&level.depth.back()}));
-    level.tiles.push_back(make_texture(TexelFormat::r32f, blocks_of(width, tile),
-                                       blocks_of(height, tile), "camera pyramid"));
+        make_framebuffer({{&level.positions.back()}}, "camera pyramid", {&level.depth.back()}));
+    level.tiles.push_back(make(TexelFormat::r32f, tile));
     level.tile.push_back(make_framebuffer({{&level.tiles.back()}}, "camera pyramid"));
     std::vector<Attachment> targets{{&level.sums, layer}};
     if (is_single) {
@@ -102,23 +104,23 @@ double largest_splat(const SplatCamera& camera, double radius) {
   return 1.1 * stretch * radius / (std::sqrt(depth * depth - radius * radius) * y);
 }
 
-// int A^2 w dA over a plane, w the near term's weight.
-std::array<double, 3> integrate_near(const ReferenceProfile& reference, double near_mm) {
-  constexpr int rings = 256;
-  const double area = std::numbers::pi * near_mm * near_mm / rings;
-  std::array<double, 3> integral{};
-  for (int i = 0; i < rings; ++i) {
-    const double r = near_mm * std::sqrt((i + 0.5) / rings);
-    const std::array<double, 3> kernel = eval_reference_kernel(reference, r);
-    for (std::size_t c = 0; c < 3; ++c) integral[c] += area * near_weight(r, near_mm) * kernel[c];
-  }
-  return integral;
+Program make_splat_program(SplatKind kind, bool on_software) {
+  std::vector<std::string> defines{fmt::format("TILE {}", tile)};
+  if (kind.is_single) defines.emplace_back("SINGLE");
+  if (kind.with_mean) defines.emplace_back("MEAN");
+  if (kind.is_bounded) defines.emplace_back("BOUNDED");
+  if (kind.as_points) defines.emplace_back("POINTS");
+  if (!on_software) defines.emplace_back("DISCARD");
+  const std::string_view fragment = kind.is_bare ? "bare_fragment.glsl" : "splat_fragment.glsl";
+  return make_program({"camera.glsl", "facing.glsl", "sources.glsl", "splat_vertex.glsl"},
+                      {"camera.glsl", "facing.glsl", fragment}, defines);
 }
 
-const SplatProgram& choose_program(const SplatPrograms& programs, int targets, bool is_bare) {
-  if (targets == 1) return is_bare ? programs.bare_group : programs.group;
-  if (is_bare) return programs.bare_single;
-  return targets == 2 ? programs.single : programs.single_mean;
+// In the last level always, whose weight does not fall.
+bool ends_within(const SplatInput& input, int level, double reach) {
+  return level + 1 == input.radial.count ||
+         std::ranges::any_of(input.reference.support_mm,
+                             [&](float end) { return static_cast<double>(end) < reach; });
 }
 
 void bind_emitters(const Program& program, const Sources& sources, const SplatInput& input,
@@ -129,14 +131,14 @@ void bind_emitters(const Program& program, const Sources& sources, const SplatIn
   bind_texture(program, "source_fit_0", 3, source.fit[0]);
   bind_texture(program, "source_fit_1", 4, source.fit[1]);
   bind_texture(program, "source_fit_2", 5, source.fit[2]);
-  if (level > 0) {
-    const auto& support = input.reference.support_mm;
-    return set_uniform(program, "support", Vec3{support[0], support[1], support[2]});
-  }
-  bind_texture(program, "kernel", 6, input.kernel);
-  bind_texture(program, "source_flux", 7, sources.flux);
+  const auto& support = input.reference.support_mm;
+  set_uniform(program, "support", Vec3{support[0], support[1], support[2]});
+  if (level > 0) return;
+  bind_texture(program, "source_fit_3", 6, source.fit[3]);
+  bind_texture(program, "source_normals", 7, sources.normals);
+  bind_texture(program, "source_flux", 8, sources.flux);
   const double near = input.near.near_mm, mean = input.near.mean_mm;
-  set_uniform(program, "kernel_steps", static_cast<float>(kernel_steps / input.radial.last_mm(0)));
+  set_uniform(program, "near_kernel", std::vector<Vec4>{input.near_kernel});
   set_uniform(program, "near_mm", static_cast<float>(near));
   set_uniform(program, "near_factor",
               Vec2{static_cast<float>(1 / (near * near)), static_cast<float>(1 / (mean * mean))});
@@ -149,9 +151,10 @@ std::size_t ViewPyramid::bytes() const {
   std::size_t sum = 0;
   for (const Texture& texture : representatives) sum += byte_size(texture);
   for (const ViewLevel& level : levels) {
-    for (const Texture* texture : {&level.positions, &level.sums, &level.near, &level.mean})
+    for (const Texture* texture : {&level.sums, &level.near, &level.mean})
       if (texture->handle.get() != 0) sum += byte_size(*texture);
-    for (const Texture& texture : level.depth) sum += byte_size(texture);
+    for (const auto* textures : {&level.positions, &level.depth, &level.tiles})
+      for (const Texture& texture : *textures) sum += byte_size(texture);
   }
   return sum;
 }
@@ -185,32 +188,22 @@ SplatPrograms make_splat_programs(bool on_software) {
   programs.reduce_first = make_program(screen, {"reduce_fragment.glsl"}, {"FIRST"});
   programs.reduce = make_program(screen, {"reduce_fragment.glsl"});
   programs.represent_pixels =
-      make_program(screen, {"camera.glsl", "octahedral.glsl", "represent_fragment.glsl"}, {"FULL"});
+      make_program(screen, {"camera.glsl", "facing.glsl", "represent_fragment.glsl"}, {"FULL"});
   programs.represent =
-      make_program(screen, {"camera.glsl", "octahedral.glsl", "represent_fragment.glsl"});
-  const std::string tiles = fmt::format("TILE {}", tile);
-  programs.tiles = make_program(screen, {"tiles_fragment.glsl"}, {tiles});
-  const std::vector<std::string_view> vertex{"camera.glsl", "sources.glsl", "octahedral.glsl",
-                                             "splat_vertex.glsl"};
-  const auto make = [&](std::vector<std::string> defines,
-                        std::string_view file = "splat_fragment.glsl") {
-    const std::vector<std::string_view> fragment{"octahedral.glsl", file};
-    defines.push_back(tiles);
-    defines.push_back(fmt::format("STEPS {}", kernel_steps));
-    if (!on_software) defines.emplace_back("DISCARD");
-    SplatProgram program;
-    program.squares = make_program(vertex, fragment, defines);
-    defines.emplace_back("POINTS");
-    program.points = make_program(vertex, fragment, defines);
-    return program;
-  };
-  programs.single = make({"SINGLE"});
-  programs.single_mean = make({"SINGLE", "MEAN"});
-  programs.group = make({});
-  programs.bare_single = make({"SINGLE"}, "bare_fragment.glsl");
-  programs.bare_group = make({}, "bare_fragment.glsl");
+      make_program(screen, {"camera.glsl", "facing.glsl", "represent_fragment.glsl"});
+  programs.tiles = make_program(screen, {"tiles_fragment.glsl"}, {fmt::format("TILE {}", tile)});
+  programs.on_software = on_software;
   programs.largest_point = largest_point_size();
   return programs;
+}
+
+const Program& get_splat_program(SplatPrograms& programs, SplatKind kind) {
+  const std::size_t index = (kind.is_single ? 1u : 0u) + (kind.with_mean ? 2u : 0u) +
+                            (kind.is_bounded ? 4u : 0u) + (kind.as_points ? 8u : 0u) +
+                            (kind.is_bare ? 16u : 0u);
+  Program& program = programs.splat[index];
+  if (program.handle.get() == 0) program = make_splat_program(kind, programs.on_software);
+  return program;
 }
 
 void draw_pyramid(const ViewPyramid& pyramid, const SplatPrograms& programs,
@@ -232,23 +225,6 @@ void draw_pyramid(const ViewPyramid& pyramid, const SplatPrograms& programs,
   check_gl("camera pyramid");
 }
 
-Texture make_kernel_table(const RadialLevels& radial, const ReferenceProfile& reference,
-                          double near_mm) {
-  const std::array<double, 3> integral = integrate_near(reference, near_mm);
-  const double step = radial.last_mm(0) / kernel_steps;
-  std::vector<float> values;
-  for (int i = 0; i < kernel_steps; ++i) {
-    const std::array<double, 3> kernel = eval_reference_kernel(reference, (i + 0.5) * step);
-    double k = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      values.push_back(static_cast<float>(std::log2(std::max(kernel[c], 1e-60))));
-      if (integral[c] > 0) k += kernel[c] / (3 * integral[c]);
-    }
-    values.push_back(static_cast<float>(k));
-  }
-  return make_texture(TexelFormat::rgba32f, kernel_steps, 1, "splat kernel", values.data());
-}
-
 void set_level_nodes(const Program& program, const SplatInput& input, int level) {
   const std::array<int, 5> nodes = level_nodes(level);
   std::vector<Vec3> reference;
@@ -263,30 +239,28 @@ void set_level_nodes(const Program& program, const SplatInput& input, int level)
   set_uniform(program, "node_r5", radii);
 }
 
-void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, const Sources& sources,
+void splat_level(const ViewPyramid& pyramid, SplatPrograms& programs, const Sources& sources,
                  const SplatInput& input, const SplatCamera& camera, int level, bool is_bare) {
   const auto l = static_cast<std::size_t>(level);
   const ViewLevel& view = pyramid.levels[l];
   const SourceLevel& source = sources.levels[l];
   const int targets = level > 0 ? 1 : view.mean.handle.get() == 0 ? 2 : 3;
-  const SplatProgram& of_level = choose_program(programs, targets, is_bare);
   const double reach = std::min(input.radial.last_mm(level), input.max_support_mm);
-  const bool as_points =
-      largest_splat(camera, reach) * view.positions.height <= programs.largest_point;
-  const Program& program = as_points ? of_level.points : of_level.squares;
+  const bool as_points = largest_splat(camera, reach) * view.sums.height <= programs.largest_point;
+  const bool is_bounded = !is_bare && ends_within(input, level, reach);
+  const Program& program =
+      get_splat_program(programs, {level == 0, targets == 3, is_bounded, as_points, is_bare});
   use(program);
   set_camera(program, camera);
   set_uniform(program, "reach", static_cast<float>(reach));
-  set_uniform(
-      program, "level_size",
-      Vec2{static_cast<float>(view.positions.width), static_cast<float>(view.positions.height)});
-  bind_texture(program, "level_positions", 0, view.positions);
+  set_uniform(program, "level_size",
+              Vec2{static_cast<float>(view.sums.width), static_cast<float>(view.sums.height)});
   bind_emitters(program, sources, input, level);
   for (int layer = 0; layer < view.layers; ++layer) {
     bind(view.splat[static_cast<std::size_t>(layer)]);
     for (int i = 0; i < targets; ++i) clear_color(i);
+    bind_texture(program, "level_positions", 0, view.positions[static_cast<std::size_t>(layer)]);
     bind_texture(program, "tiles", 1, view.tiles[static_cast<std::size_t>(layer)]);
-    set_uniform(program, "layer", layer);
     set_additive_blending(true);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);

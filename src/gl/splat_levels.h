@@ -1,11 +1,13 @@
 // The camera pyramid and the splats into it.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "gl/material_textures.h"
 #include "gl/objects.h"
 #include "gl/sources.h"
+#include "gl/splat_fit.h"
 #include "gl/surface_view.h"
 
 namespace parian {
@@ -21,10 +23,10 @@ struct NearRadii {
 struct ViewLevel {
   int block = 1;  // pixels of a texel's side
   int layers = 1;
-  Texture positions, sums;
-  Texture near, mean;                  // of level 0
-  std::vector<Texture> depth, tiles;   // of each layer
-  std::vector<Framebuffer> represent;  // of each layer
+  Texture sums;
+  Texture near, mean;                            // of level 0
+  std::vector<Texture> positions, depth, tiles;  // of each layer
+  std::vector<Framebuffer> represent;            // of each layer
   std::vector<Framebuffer> tile;
   std::vector<Framebuffer> splat;
 };
@@ -53,39 +55,38 @@ struct TexelSizes {
 ViewPyramid make_view_pyramid(const SplatCamera& camera, const RadialLevels& radial,
                               const TexelSizes& texels, SplatFormat format);
 
-struct SplatProgram {
-  Program points, squares;
+// Of splats (shaders/splat_fragment.glsl): of samples, with the mean around; of a level in which
+// the reference ends; drawn as points; the same squares with nothing computed, for measuring.
+struct SplatKind {
+  bool is_single = false, with_mean = false, is_bounded = false, as_points = false, is_bare = false;
 };
 struct SplatPrograms {
   Program reduce_first, reduce, represent_pixels, represent, tiles;
-  SplatProgram single, single_mean, group;
-  SplatProgram bare_single, bare_group;  // the same squares with nothing computed, for measuring
-  float largest_point = 1;               // texels
+  std::array<Program, 32> splat;  // see get_splat_program
+  // Devices leave out what lies beyond a splat's reach; software rasterisers are faster without.
+  bool on_software = false;
+  float largest_point = 1;  // texels
 };
-// Devices leave out what lies beyond a splat's reach; software rasterisers are faster without.
 SplatPrograms make_splat_programs(bool on_software);
+// Made when it is first asked for.
+const Program& get_splat_program(SplatPrograms& programs, SplatKind kind);
 
 // After a change of camera: what every texel stands for.
 void draw_pyramid(const ViewPyramid& pyramid, const SplatPrograms& programs,
                   const GeometryBuffer& geometry, const SplatCamera& camera);
 
-// Over r up to the end of level 0, for splat_fragment.glsl: the reference's kernel A^2, and the
-// near term's over a plane.
-Texture make_kernel_table(const RadialLevels& radial, const ReferenceProfile& reference,
-                          double near_mm);
-
 // What all levels share.
 struct SplatInput {
   const RadialLevels& radial;
   const ReferenceProfile& reference;
-  const Texture& kernel;
+  const Vec4& near_kernel;
   NearRadii near;
   double max_support_mm;
 };
 // Reference and radii at the nodes of a level.
 void set_level_nodes(const Program& program, const SplatInput& input, int level);
 // Clears a level's targets and adds its emitters; `is_bare`: a constant in place of each.
-void splat_level(const ViewPyramid& pyramid, const SplatPrograms& programs, const Sources& sources,
+void splat_level(const ViewPyramid& pyramid, SplatPrograms& programs, const Sources& sources,
                  const SplatInput& input, const SplatCamera& camera, int level,
                  bool is_bare = false);
 

@@ -23,7 +23,8 @@ Program make_resolve_program(const std::vector<std::string>& of_material, bool i
   if (is_single) defines.emplace_back("SINGLE");
   if (is_single && is_sparse) defines.emplace_back("MEAN");
   return make_program({"screen_vertex.glsl"},
-                      {"material.glsl", "octahedral.glsl", "resolve_fragment.glsl"}, defines);
+                      {"camera.glsl", "facing.glsl", "material.glsl", "resolve_fragment.glsl"},
+                      defines);
 }
 
 std::vector<Vec2> map_samples(const std::vector<SurfacePoint>& samples, const Mapping& mapping,
@@ -62,7 +63,7 @@ void SplatRenderer::Impl::set_material(const Material& next) {
   material = std::make_unique<MaterialTextures>(
       make_material_textures(is_layered ? nullptr : std::get_if<ProfileBlend>(&next), field, radial,
                              area_mm2, near.near_mm));
-  kernel = make_kernel_table(radial, material->reference, near.near_mm);
+  near_kernel = make_near_kernel(material->reference, near.near_mm);
   const bool same_sources =
       same_boundary && same_grid && radial.count == old_levels && was_layered == is_layered;
   if (!same_sources) place_samples();

@@ -125,19 +125,21 @@ void SplatRenderer::Impl::resolve(int level) {
   bind(targets.exitance_target);
   if (level == 0) clear_color(0);
   use(program);
+  parian::set_camera(program, camera);
   bind_texture(program, "positions", 0, geometry.positions);
   bind_texture(program, "normals", 1, geometry.normals);
   bind_texture(program, "places", 2, geometry.places);
-  bind_texture(program, "level_positions", 3, view.positions);
-  bind_texture(program, "level_sums", 4, view.sums);
-  int unit = 5;
+  bind_texture(program, "level_a", 3, view.positions.front());
+  bind_texture(program, "level_b", 4, view.positions.back());
+  bind_texture(program, "level_sums", 5, view.sums);
+  int unit = 6;
   if (level == 0) {
     bind_texture(program, "level_near", unit++, view.near);
     if (material->is_sparse) bind_texture(program, "level_mean", unit++, view.mean);
   }
   bind_material(program, seen, unit);
   set_uniform(program, "block", view.block);
-  set_uniform(program, "softness", static_cast<float>(0.7 * texel_sizes().wanted_mm(level)));
+  set_uniform(program, "softness", static_cast<float>(texel_sizes().wanted_mm(level)));
   set_level_nodes(program, input(), level);
   set_additive_blending(true);
   draw_screen_on_surface();

@@ -49,7 +49,7 @@ struct SplatRenderer::Impl {
   bool pixels_are_old = true;                 // of_pixels
   SampleGrid grid;                            // of the material itself
   MaterialPrograms programs, other_programs;  // those before: edits often go back and forth
-  Texture kernel;
+  Vec4 near_kernel{};
 
   Sources sources;
   std::vector<Rgb> flux;  // traced: of all lights, or of environments alone
@@ -82,7 +82,9 @@ struct SplatRenderer::Impl {
     return {scene, camera, lit, material->boundary, material->eta, params.reflection_rays};
   }
   TexelSizes texel_sizes() const { return {std::sqrt(area_mm2), params.texel, params.group_texel}; }
-  SplatInput input() const { return {radial, material->reference, kernel, near, max_support_mm}; }
+  SplatInput input() const {
+    return {radial, material->reference, near_kernel, near, max_support_mm};
+  }
 };
 
 }  // namespace parian

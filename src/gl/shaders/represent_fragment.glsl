@@ -27,6 +27,6 @@ void main() {
   gl_FragDepth = 0.0;
   if (!is_used) return;
   out_position = vec4(texelFetch(positions, pixel, 0).xyz,
-                      pack_normal(texelFetch(normals, pixel, 0).xyz));
+                      pack_facing(texelFetch(normals, pixel, 0).xyz));
   gl_FragDepth = 0.5 + 0.5 * device_depth(to_view(out_position.xyz).z);
 }

@@ -9,7 +9,8 @@
 uniform sampler2D positions;
 uniform sampler2D normals;
 uniform sampler2D places;
-uniform sampler2DArray level_positions;
+uniform sampler2D level_a;  // positions of the two layers
+uniform sampler2D level_b;
 uniform sampler2DArray level_sums;
 #ifdef SINGLE
 uniform sampler2DArray level_near;
@@ -40,16 +41,20 @@ void add_texel(inout Sums sums, ivec3 texel, float weight) {
 #endif
 }
 
-// Squared distance over softness squared; far away where there is nothing.
+// Squared distance over softness squared; far away where there is nothing. The normal is on the
+// camera's axes.
 float apart(ivec3 texel, vec3 position, vec3 normal) {
-  ivec2 size = textureSize(level_positions, 0).xy;
+  ivec2 size = textureSize(level_a, 0);
   if (any(lessThan(texel.xy, ivec2(0))) || any(greaterThanEqual(texel.xy, size))) return 1e30;
-  vec4 there = texelFetch(level_positions, texel, 0);
+  vec4 there =
+      texel.z == 0 ? texelFetch(level_a, texel.xy, 0) : texelFetch(level_b, texel.xy, 0);
   if (there.w <= 0.0) return 1e30;
   vec3 d = (there.xyz - position) / softness;
   float result = dot(d, d);
 #ifdef SINGLE
-  result += 4.0 * (1.0 - dot(normalize(unpack_direction(there.w)), normal));
+  vec2 p = unpack_facing(there.w);
+  float p2 = dot(p, p);
+  result += 4.0 * (1.0 - dot(vec3(2.0 * p, 1.0 - p2), normal) / (1.0 + p2));
 #endif
   return result;
 }
@@ -101,7 +106,7 @@ vec3 log_ratio_at(Corners corners, vec3 support, float r) {
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec4 position = texelFetch(positions, pixel, 0);
-  Sums sums = interpolate(pixel, position.xyz, texelFetch(normals, pixel, 0).xyz);
+  Sums sums = interpolate(pixel, position.xyz, to_camera_axes(texelFetch(normals, pixel, 0).xyz));
   vec3 result = sums.sum.rgb;
   float r = sums.sum.a / max(result.r + result.g + result.b, 1e-30);
 #ifndef SINGLE

@@ -1,11 +1,13 @@
 // A splat: a square around the picture of the sphere that a source reaches at this level, drawn as a
 // point where the device has points as large (POINTS), otherwise as a strip. Its depth is the
 // sphere's nearest, so that the depth test drops surfaces in front of it.
-uniform sampler2D source_positions;  // packed normals in w (SINGLE)
+uniform sampler2D source_positions;
 uniform sampler2D source_fit_0;      // fit_fragment.glsl
 uniform sampler2D source_fit_1;
 uniform sampler2D source_fit_2;
 #ifdef SINGLE
+uniform sampler2D source_fit_3;
+uniform sampler2D source_normals;
 uniform float near_mm;
 #endif
 #ifdef MEAN
@@ -13,12 +15,13 @@ uniform sampler2D source_flux;
 flat out vec3 splat_flux;
 #endif
 uniform float reach;  // mm
-flat out vec4 splat_position;
+flat out vec3 splat_position;
 flat out vec4 splat_fit_0;
 flat out vec4 splat_fit_1;
 flat out vec4 splat_fit_2;
 #ifdef SINGLE
-flat out vec3 splat_normal;
+flat out vec3 splat_near;
+flat out vec3 splat_facing;
 #endif
 
 uniform sampler2D tiles;  // tiles_fragment.glsl
@@ -50,11 +53,10 @@ void main() {
 #else
   ivec2 texel = source_texel(gl_InstanceID, width);
 #endif
-  vec3 position = texelFetch(source_positions, texel, 0).xyz;
-  splat_position = texelFetch(source_positions, texel, 0);
+  splat_position = texelFetch(source_positions, texel, 0).xyz;
   splat_fit_0 = texelFetch(source_fit_0, texel, 0);
   gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
-  bool is_dark = splat_fit_0.r <= -1000.0;
+  bool is_dark = splat_fit_0.rgb == vec3(0.0);
   float radius = reach;
 #ifdef SINGLE
   // A sample in the dark still counts in the near term's means.
@@ -62,7 +64,7 @@ void main() {
 #else
   if (is_dark) return;
 #endif
-  vec3 v = to_view(splat_position.xyz);
+  vec3 v = to_view(splat_position);
   vec4 box = vec4(-1.0, -1.0, 1.0, 1.0);
   if (v.z > radius * 1.001) {
     vec2 x = sphere_extent(v.x, v.z, radius) / camera_half.x;
@@ -76,7 +78,9 @@ void main() {
   splat_fit_1 = texelFetch(source_fit_1, texel, 0);
   splat_fit_2 = texelFetch(source_fit_2, texel, 0);
 #ifdef SINGLE
-  splat_normal = unpack_direction(splat_position.w);
+  splat_near = texelFetch(source_fit_3, texel, 0).rgb;
+  splat_facing =
+      vec3(2.0, 2.0, 1.0) * to_camera_axes(texelFetch(source_normals, texel, 0).xyz);
 #endif
 #ifdef MEAN
   splat_flux = texelFetch(source_flux, texel, 0).rgb;
