@@ -38,6 +38,7 @@ Scene random_scene(int width, int height, std::uint64_t seed) {
 Scene two_materials(int half, int height) {
   Rng rng = make_rng(3);
   std::vector<float> raw;
+  raw.reserve(static_cast<std::size_t>(2 * half * height));
   for (int i = 0; i < 2 * half * height; ++i)
     raw.push_back((i % (2 * half) < half ? 0.0F : 1.0F) +
                   0.01F * static_cast<float>(sample_normal(rng)));
@@ -183,6 +184,7 @@ TEST(Propagate, WithoutADirectTermUnreachedComponentsAreZero) {
 TEST(Propagate, APositiveStrokeFallsOffWithAppearance) {
   for (const int size : {20, 60}) {
     std::vector<float> raw;  // appearance u in [0, 1], in random places
+    raw.reserve(static_cast<std::size_t>(size * size));
     for (int i = 0; i < size * size; ++i)
       raw.push_back(
           static_cast<float>(hash_to_uniform(hash_u64(5, static_cast<std::uint64_t>(i)))));
