@@ -55,7 +55,7 @@ void draw_depth(Lamp& lamp, const MeshBuffers& mesh, int size) {
     clear_depth(1);
     set_uniform(program, "shadow_view", std::vector<Mat4>{lamp.views[i]});
     set_additive_blending(false);
-    draw_mesh(mesh);
+    draw_mesh(mesh, lamp.is_near ? std::optional(lamp.place) : std::nullopt);
   }
   check_gl("shadow map");
 }

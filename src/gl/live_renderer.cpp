@@ -51,6 +51,7 @@ struct LiveRenderer::Impl {
   TransportPrograms transport_programs;
   std::unique_ptr<CpuTransport> cpu;  // null: the device sums
   LightObjects lights;
+  SelfOcclusion occlusion;
   SplatCamera camera;
   PictureTargets targets;
 
@@ -61,6 +62,7 @@ struct LiveRenderer::Impl {
   explicit Impl(const HomogeneousTransport& made) : projection(made), eta(made.eta) {}
   void make_lights() {
     lights = make_light_objects(scene.lights, scene, mesh, params.shadow_size, false);
+    targets.reflections_are_old = true;
   }
   void update_vertices();
   void draw_view();
@@ -94,7 +96,7 @@ void LiveRenderer::Impl::draw_exitance() {
   use(program);
   parian::set_camera(program, camera);
   bind_texture(program, "place_exitance", 0, transport.exitance);
-  draw_mesh(mesh);
+  draw_mesh(mesh, camera.frame.position);
   check_gl("picture");
 }
 
@@ -130,6 +132,8 @@ LiveRenderer::LiveRenderer(const GlLimits& limits, const Scene& scene,
     impl.has_single = impl.has_single || light.single.functions > 0;
   impl.light_scale.assign(scene.lights.size(), Rgb{1, 1, 1});
   impl.make_lights();
+  if (reflects_environments(impl.scene))
+    impl.occlusion = make_self_occlusion(make_height_maps(scene.mesh));
   impl.report.vertices = transport.places;
   impl.report.triangles = scene.mesh.triangles.size();
   impl.report.texture_bytes = impl.transport.bytes();
@@ -169,6 +173,7 @@ void LiveRenderer::set_light(std::size_t index, const Light& light,
                              const LightTransport& transport) {
   Impl& impl = *impl_;
   PARIAN_CHECK(index < impl.scene.lights.size());
+  PARIAN_CHECK_EQ(light.index(), impl.scene.lights[index].index());
   impl.scene.lights[index] = light;
   impl.make_lights();
   if (impl.cpu != nullptr)
@@ -181,7 +186,7 @@ void LiveRenderer::set_light(std::size_t index, const Light& light,
 void LiveRenderer::set_camera(const Camera& camera) {
   Impl& impl = *impl_;
   impl.camera = make_splat_camera(camera, impl.params.antialias, impl.mesh.box);
-  impl.view_is_old = true;
+  impl.view_is_old = impl.targets.reflections_are_old = true;
   if (impl.cpu != nullptr && (impl.has_single || impl.cpu->view.value.empty()))
     impl.cpu->view =
         make_transport_view(impl.cpu->positions, impl.cpu->normals, impl.camera.frame.position,
@@ -208,7 +213,7 @@ void LiveRenderer::draw(bool timed) {
   impl.view_is_old = impl.vertices_are_old = false;
   impl.report.view_s = lap();
   shade(impl.targets, impl.shading_programs,
-        {impl.scene, impl.camera, impl.lights, Boundary::excluded, impl.eta,
+        {impl.scene, impl.camera, impl.lights, impl.occlusion, Boundary::excluded, impl.eta,
          impl.params.reflection_rays});
   impl.report.shade_s = lap();
 }

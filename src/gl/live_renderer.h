@@ -53,7 +53,8 @@ class LiveRenderer {
   void set_coefficients(const TransportCoefficients& coefficients);
   // Factors of the lights' colours, for scattered light and not for reflections.
   void set_light_scale(const std::vector<Rgb>& scale);
-  // A light that was turned or moved, with its new transport (transport/live_transport.h).
+  // A light that was turned or moved, of the same kind, with its new transport
+  // (transport/live_transport.h).
   void set_light(std::size_t index, const Light& light, const LightTransport& transport);
   void set_camera(const Camera& camera);
   void set_exposure(double stops);

@@ -17,36 +17,47 @@ const Program& use_reflector(const Program& program, const PictureTargets& targe
   set_uniform(program, "alpha",
               std::max(1e-3f, static_cast<float>(specular.roughness * specular.roughness)));
   set_uniform(program, "eta", static_cast<float>(specular.eta > 0 ? specular.eta : input.eta));
-  set_uniform(program, "exposure", std::exp2(static_cast<float>(input.scene.exposure)));
   return program;
 }
 
-// Adds reflections, and environments behind the object.
-void reflect(const PictureTargets& targets, const ShadingPrograms& programs,
-             const ShadingInput& input) {
-  bind(targets.radiance_target);
+float find_exposure(const ShadingInput& input) {
+  return std::exp2(static_cast<float>(input.scene.exposure));
+}
+
+void draw_reflections(const PictureTargets& targets, const ShadingPrograms& programs,
+                      const ShadingInput& input) {
+  bind(targets.reflection_target);
+  clear_color(0);
   set_additive_blending(true);
-  if (input.scene.specular.enabled) {
-    for (const Lamp& lamp : input.lights.lamps) {
-      bind_lamp(use_reflector(programs.reflection.of(lamp), targets, input), lamp, 3);
-      draw_screen_on_surface();
-    }
-    for (const Sky& sky : input.lights.skies) {
-      const Program& program = use_reflector(programs.sky_reflection, targets, input);
-      set_uniform(program, "rays", input.reflection_rays);
-      bind_sky(program, sky, 3);
-      draw_screen_on_surface();
-    }
+  for (const Lamp& lamp : input.lights.lamps) {
+    bind_lamp(use_reflector(programs.reflection.of(lamp), targets, input), lamp, 3);
+    draw_screen_on_surface();
   }
-  if (input.scene.show_environment)
-    for (const Sky& sky : input.lights.skies) {
-      const Program& program = use_reflector(programs.sky_background, targets, input);
-      set_camera(program, input.camera);
-      bind_sky(program, sky, 3);
-      draw_screen();
-    }
+  for (const Sky& sky : input.lights.skies) {
+    const Program& program = use_reflector(programs.sky_reflection, targets, input);
+    set_uniform(program, "rays", input.reflection_rays);
+    bind_sky(program, sky, 3);
+    bind_self_occlusion(program, input.occlusion, 4);
+    draw_screen_on_surface();
+  }
   set_additive_blending(false);
   check_gl("reflections");
+}
+
+// Adds environments behind the object.
+void draw_background(const PictureTargets& targets, const ShadingPrograms& programs,
+                     const ShadingInput& input) {
+  set_additive_blending(true);
+  const Program& program = programs.sky_background;
+  use(program);
+  bind_texture(program, "positions", 0, targets.geometry.positions);
+  set_uniform(program, "exposure", find_exposure(input));
+  set_camera(program, input.camera);
+  for (const Sky& sky : input.lights.skies) {
+    bind_sky(program, sky, 1);
+    draw_screen();
+  }
+  set_additive_blending(false);
 }
 
 }  // namespace
@@ -82,6 +93,8 @@ PictureTargets make_picture_targets(int width, int height) {
   const Attachment depth{&targets.geometry.depth};
   targets.exitance = make_texture(TexelFormat::rgba32f, width, height, "picture");
   targets.exitance_target = make_framebuffer({{&targets.exitance}}, "picture", depth);
+  targets.reflections = make_texture(TexelFormat::rgba32f, width, height, "picture");
+  targets.reflection_target = make_framebuffer({{&targets.reflections}}, "picture", depth);
   targets.radiance = make_texture(TexelFormat::rgba32f, width, height, "picture");
   targets.radiance_target = make_framebuffer({{&targets.radiance}}, "picture", depth);
   return targets;
@@ -98,9 +111,9 @@ ShadingPrograms make_shading_programs() {
   programs.shade = make_program({"screen_vertex.glsl"}, {"fresnel.glsl", "shade_fragment.glsl"});
   programs.reflection = make_lamp_program({"fresnel.glsl", "octahedral.glsl", "reflector.glsl",
                                            "lamp.glsl", "lamp_reflection_fragment.glsl"});
-  programs.sky_reflection =
-      make_program({"screen_vertex.glsl"}, {"fresnel.glsl", "octahedral.glsl", "reflector.glsl",
-                                            "sky.glsl", "sky_reflection_fragment.glsl"});
+  programs.sky_reflection = make_program(
+      {"screen_vertex.glsl"}, {"fresnel.glsl", "octahedral.glsl", "reflector.glsl", "sky.glsl",
+                               "self_occlusion.glsl", "sky_reflection_fragment.glsl"});
   programs.sky_background = make_program(
       {"screen_vertex.glsl"}, {"camera.glsl", "sky.glsl", "sky_background_fragment.glsl"});
   return programs;
@@ -123,20 +136,32 @@ LightObjects make_light_objects(const std::vector<Light>& lights, const Scene& s
   return objects;
 }
 
-void shade(const PictureTargets& targets, const ShadingPrograms& programs,
-           const ShadingInput& input) {
+bool reflects_environments(const Scene& scene) {
+  const auto is_environment = [](const Light& light) {
+    return std::holds_alternative<EnvironmentLight>(light);
+  };
+  return scene.specular.enabled &&
+         std::any_of(scene.lights.begin(), scene.lights.end(), is_environment);
+}
+
+void shade(PictureTargets& targets, const ShadingPrograms& programs, const ShadingInput& input) {
+  const bool reflects = input.scene.specular.enabled;
+  if (reflects && targets.reflections_are_old) draw_reflections(targets, programs, input);
+  targets.reflections_are_old = targets.reflections_are_old && !reflects;
   const Program& program = programs.shade;
   bind(targets.radiance_target);
   use(program);
   bind_texture(program, "positions", 0, targets.geometry.positions);
   bind_texture(program, "normals", 1, targets.geometry.normals);
   bind_texture(program, "exitances", 2, targets.exitance);
+  bind_texture(program, "reflections", 3, targets.reflections);
+  set_uniform(program, "is_reflecting", reflects ? 1 : 0);
   set_uniform(program, "is_transmitting", input.boundary == Boundary::excluded ? 1 : 0);
   set_uniform(program, "eta", static_cast<float>(input.eta));
-  set_uniform(program, "exposure", std::exp2(static_cast<float>(input.scene.exposure)));
+  set_uniform(program, "exposure", find_exposure(input));
   set_uniform(program, "background", input.scene.show_environment ? Rgb{} : input.scene.background);
   draw_screen();
-  reflect(targets, programs, input);
+  if (input.scene.show_environment) draw_background(targets, programs, input);
   check_gl("picture");
 }
 

@@ -225,18 +225,17 @@ void draw_pyramid(const ViewPyramid& pyramid, const SplatPrograms& programs,
   check_gl("camera pyramid");
 }
 
-void set_level_nodes(const Program& program, const SplatInput& input, int level) {
-  const std::array<int, 5> nodes = level_nodes(level);
+void set_level_nodes(const Program& program, const SplatInput& input, int first, int count) {
+  std::vector<int> nodes;
   std::vector<Vec3> reference;
-  std::vector<float> radii;
-  for (const int node : nodes) {
-    const auto k = static_cast<std::size_t>(node);
-    radii.push_back(input.radial.nodes[k]);
-    reference.push_back(eval_reference_node(input.reference, input.radial.nodes, k));
-  }
-  set_uniform(program, "level_nodes", std::vector<int>(nodes.begin(), nodes.end()));
+  for (int level = first; level < first + count; ++level)
+    for (const int node : level_nodes(level)) {
+      nodes.push_back(node);
+      reference.push_back(
+          eval_reference_node(input.reference, input.radial.nodes, static_cast<std::size_t>(node)));
+    }
+  set_uniform(program, "level_nodes", nodes);
   set_uniform(program, "reference_nodes", reference);
-  set_uniform(program, "node_r5", radii);
 }
 
 void splat_level(const ViewPyramid& pyramid, SplatPrograms& programs, const Sources& sources,

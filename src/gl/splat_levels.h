@@ -83,8 +83,8 @@ struct SplatInput {
   NearRadii near;
   double max_support_mm;
 };
-// Reference and radii at the nodes of a level.
-void set_level_nodes(const Program& program, const SplatInput& input, int level);
+// Nodes of some levels and the reference there.
+void set_level_nodes(const Program& program, const SplatInput& input, int first, int count);
 // Clears a level's targets and adds its emitters; `is_bare`: a constant in place of each.
 void splat_level(const ViewPyramid& pyramid, SplatPrograms& programs, const Sources& sources,
                  const SplatInput& input, const SplatCamera& camera, int level,

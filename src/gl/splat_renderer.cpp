@@ -116,31 +116,40 @@ void SplatRenderer::Impl::make_view() {
     report.texture_bytes += byte_size(level.rows) + byte_size(level.positions);
 }
 
-void SplatRenderer::Impl::resolve(int level) {
-  const auto l = static_cast<std::size_t>(level);
-  const ViewLevel& view = pyramid.levels[l];
+// Levels first, ..., first + count - 1 into the picture: the first alone, or two that follow.
+void SplatRenderer::Impl::resolve(int first, int count) {
   const MaterialTextures& seen = is_layered ? *of_pixels : *material;
-  const Program& program = level == 0 ? programs.resolve_single : programs.resolve_group;
+  const Program& program = first == 0 ? programs.resolve_single : programs.resolve_group;
   const GeometryBuffer& geometry = targets.geometry;
   bind(targets.exitance_target);
-  if (level == 0) clear_color(0);
+  if (first == 0) clear_color(0);
   use(program);
   parian::set_camera(program, camera);
   bind_texture(program, "positions", 0, geometry.positions);
   bind_texture(program, "normals", 1, geometry.normals);
   bind_texture(program, "places", 2, geometry.places);
-  bind_texture(program, "level_a", 3, view.positions.front());
-  bind_texture(program, "level_b", 4, view.positions.back());
-  bind_texture(program, "level_sums", 5, view.sums);
-  int unit = 6;
-  if (level == 0) {
-    bind_texture(program, "level_near", unit++, view.near);
-    if (material->is_sparse) bind_texture(program, "level_mean", unit++, view.mean);
+  int unit = 3;
+  std::vector<int> blocks;
+  std::vector<float> softness;
+  for (int i = 0; i < (first == 0 ? 1 : 2); ++i) {
+    const int level = first + std::min(i, count - 1);
+    const ViewLevel& view = pyramid.levels[static_cast<std::size_t>(level)];
+    const std::string name = fmt::format("level{}_", i);
+    bind_texture(program, (name + "a").c_str(), unit++, view.positions.front());
+    bind_texture(program, (name + "b").c_str(), unit++, view.positions.back());
+    bind_texture(program, (name + "sums").c_str(), unit++, view.sums);
+    blocks.push_back(view.block);
+    softness.push_back(static_cast<float>(texel_sizes().wanted_mm(level)));
+  }
+  if (first == 0) {
+    bind_texture(program, "level_near", unit++, pyramid.levels[0].near);
+    if (material->is_sparse) bind_texture(program, "level_mean", unit++, pyramid.levels[0].mean);
   }
   bind_material(program, seen, unit);
-  set_uniform(program, "block", view.block);
-  set_uniform(program, "softness", static_cast<float>(texel_sizes().wanted_mm(level)));
-  set_level_nodes(program, input(), level);
+  set_uniform(program, "level_count", count);
+  set_uniform(program, "block", blocks);
+  set_uniform(program, "softness", softness);
+  set_level_nodes(program, input(), first, count);
   set_additive_blending(true);
   draw_screen_on_surface();
   set_additive_blending(false);
@@ -217,6 +226,9 @@ void SplatRenderer::set_lights(const std::vector<Light>& lights, const Progress&
   }
   impl.lit = std::move(lit);
   impl.scene.lights = lights;
+  impl.targets.reflections_are_old = true;
+  if (impl.occlusion.heights.layers == 0 && reflects_environments(impl.scene))
+    impl.occlusion = make_self_occlusion(make_height_maps(impl.scene.mesh));
   impl.put_flux();
   impl.report.irradiance_s = watch.lap();
 }
@@ -225,6 +237,7 @@ void SplatRenderer::set_camera(const Camera& camera) {
   impl_->camera = make_splat_camera(camera, impl_->params.antialias, impl_->mesh_buffers.box);
   impl_->view_is_old = impl_->pixels_are_old = true;
   impl_->geometry_is_drawn = false;
+  impl_->targets.reflections_are_old = true;
 }
 
 void SplatRenderer::set_exposure(double stops) {
@@ -249,7 +262,7 @@ void SplatRenderer::draw(bool timed, const Progress& progress) {
   impl.geometry_is_drawn = impl.pyramid_is_drawn = true;
   if (impl.pixels_are_old) impl.make_pixel_textures(progress);
   impl.report.view_s = lap();
-  impl.report.splat_s = impl.report.resolve_s = 0;
+  impl.report.splat_s = 0;
   impl.report.level_s.clear();
   for (int level = 0; level < impl.radial.count; ++level) {
     advance_progress(progress, "splatting",
@@ -257,9 +270,10 @@ void SplatRenderer::draw(bool timed, const Progress& progress) {
     splat_level(impl.pyramid, impl.splat_programs, impl.sources, impl.input(), impl.camera, level);
     impl.report.level_s.push_back(lap());
     impl.report.splat_s += impl.report.level_s.back();
-    impl.resolve(level);
-    impl.report.resolve_s += lap();
   }
+  for (int level = 0; level < impl.radial.count; level += level == 0 ? 1 : 2)
+    impl.resolve(level, level == 0 ? 1 : std::min(2, impl.radial.count - level));
+  impl.report.resolve_s = lap();
   shade(impl.targets, impl.shading_programs, impl.shading_input());
   impl.report.shade_s = lap();
 }

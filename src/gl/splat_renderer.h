@@ -8,8 +8,8 @@
 // The kernel is split by radius into octaves (gl/sample_levels.h). Octave l is summed from groups
 // of 4^l samples, with their moments, over texels of 4^l times the area, without the pixel's own
 // profile; every pixel takes the sums from the texels around it and applies its profile at their
-// mean radius. The reflection is that of render/ but for environments, which the object does not
-// hide from itself. All images are those of render/ up to these approximations.
+// mean radius. The reflection is that of render/. All images are those of render/ up to these
+// approximations.
 #pragma once
 
 #include <memory>

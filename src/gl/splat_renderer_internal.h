@@ -54,6 +54,7 @@ struct SplatRenderer::Impl {
   Sources sources;
   std::vector<Rgb> flux;  // traced: of all lights, or of environments alone
   LightObjects lit;
+  SelfOcclusion occlusion;
   bool flux_is_kept = false;
   bool groups_are_old = true;
 
@@ -77,9 +78,10 @@ struct SplatRenderer::Impl {
   void put_flux();
   void make_groups();
   void make_view();
-  void resolve(int level);
+  void resolve(int first, int count);
   ShadingInput shading_input() const {
-    return {scene, camera, lit, material->boundary, material->eta, params.reflection_rays};
+    return {
+        scene, camera, lit, occlusion, material->boundary, material->eta, params.reflection_rays};
   }
   TexelSizes texel_sizes() const { return {std::sqrt(area_mm2), params.texel, params.group_texel}; }
   SplatInput input() const {

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "mesh/closed.h"
+#include "mesh/surface_samples.h"
+
 namespace parian {
 namespace {
 
@@ -19,45 +22,95 @@ std::uint32_t fill_buffer(GLenum target, const std::vector<T>& values) {
   return name;
 }
 
+// The mesh as devices draw it fastest, who keep some of the vertices that they have just worked
+// out: triangles in patches, vertices in the order in which those name them.
+struct DrawOrder {
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // of new vertices
+  std::vector<std::uint32_t> vertices;                  // the mesh's, of each new one
+};
+
+DrawOrder make_draw_order(const TriangleMesh& mesh) {
+  constexpr std::uint32_t none = 0xffffffff;
+  DrawOrder order;
+  order.triangles.reserve(mesh.triangles.size());
+  order.vertices.reserve(mesh.positions.size());
+  std::vector<std::uint32_t> renamed(mesh.positions.size(), none);
+  for (const std::uint32_t triangle : order_triangles(mesh)) {
+    order.triangles.push_back(mesh.triangles[triangle]);
+    for (std::uint32_t& vertex : order.triangles.back()) {
+      std::uint32_t& name = renamed[vertex];
+      if (name == none) {
+        name = static_cast<std::uint32_t>(order.vertices.size());
+        order.vertices.push_back(vertex);
+      }
+      vertex = name;
+    }
+  }
+  return order;
+}
+
+bool contains(const Bounds3& box, Vec3 p) {
+  return min(box.lower, p) == box.lower && max(box.upper, p) == box.upper;
+}
+
+struct DeviceVertex {
+  Vec3 position, normal;
+  Vec2 texcoord;
+  std::uint32_t index = 0;  // in the mesh
+};
+
+std::vector<DeviceVertex> make_vertices(const TriangleMesh& mesh, const DrawOrder& order) {
+  std::vector<DeviceVertex> vertices;
+  vertices.reserve(order.vertices.size());
+  for (const std::uint32_t v : order.vertices)
+    vertices.push_back({mesh.positions[v], mesh.normals[v],
+                        mesh.texcoords.empty() ? Vec2{} : mesh.texcoords[v], v});
+  return vertices;
+}
+
 }  // namespace
 
 MeshBuffers make_mesh_buffers(const TriangleMesh& mesh) {
   MeshBuffers buffers;
   buffers.box = bounds(mesh);
+  buffers.is_watertight = is_watertight(mesh);
   GLuint name = 0;
   glGenVertexArrays(1, &name);
   buffers.vertex_array = GlHandle<destroy_vertex_array>(name);
   glBindVertexArray(name);
-  constexpr std::size_t stride = 8;
-  std::vector<float> vertices(stride * mesh.positions.size(), 0.0f);
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    const Vec3 p = mesh.positions[v], n = mesh.normals[v];
-    const Vec2 t = mesh.texcoords.empty() ? Vec2{} : mesh.texcoords[v];
-    const float values[stride] = {p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y};
-    std::copy_n(values, stride, &vertices[stride * v]);
-  }
-  buffers.vertices = GlHandle<destroy_buffer>(fill_buffer(GL_ARRAY_BUFFER, vertices));
+  const DrawOrder order = make_draw_order(mesh);
+  buffers.vertices =
+      GlHandle<destroy_buffer>(fill_buffer(GL_ARRAY_BUFFER, make_vertices(mesh, order)));
   const GLint sizes[3] = {3, 3, 2};
   const char* offset = nullptr;  // into the buffer, as OpenGL wants it
   for (GLuint i = 0; i < 3; ++i) {
     glEnableVertexAttribArray(i);
-    glVertexAttribPointer(i, sizes[i], GL_FLOAT, GL_FALSE, stride * sizeof(float), offset);
+    glVertexAttribPointer(i, sizes[i], GL_FLOAT, GL_FALSE, sizeof(DeviceVertex), offset);
     offset += static_cast<std::size_t>(sizes[i]) * sizeof(float);
   }
-  buffers.indices = GlHandle<destroy_buffer>(fill_buffer(GL_ELEMENT_ARRAY_BUFFER, mesh.triangles));
+  glEnableVertexAttribArray(3);
+  glVertexAttribIPointer(3, 1, GL_UNSIGNED_INT, sizeof(DeviceVertex), offset);
+  buffers.indices = GlHandle<destroy_buffer>(fill_buffer(GL_ELEMENT_ARRAY_BUFFER, order.triangles));
   buffers.index_count = static_cast<int>(3 * mesh.triangles.size());
   glBindVertexArray(0);
   check_gl("mesh");
   return buffers;
 }
 
-void draw_mesh(const MeshBuffers& mesh) {
+void draw_mesh(const MeshBuffers& mesh, std::optional<Vec3> eye) {
+  const bool is_one_sided = mesh.is_watertight && !(eye && contains(mesh.box, *eye));
+  if (is_one_sided) {
+    glEnable(GL_CULL_FACE);
+    glFrontFace(GL_CW);
+    glCullFace(GL_BACK);
+  }
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
   glDepthMask(GL_TRUE);
   glBindVertexArray(mesh.vertex_array.get());
   glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
   glBindVertexArray(0);
+  glDisable(GL_CULL_FACE);
 }
 
 SplatCamera make_splat_camera(const Camera& camera, int antialias, const Bounds3& box) {
@@ -126,7 +179,7 @@ void draw_geometry(const GeometryBuffer& buffer, const Program& program, const M
   use(program);
   set_camera(program, camera);
   set_mapping(program, mapping, grid);
-  draw_mesh(mesh);
+  draw_mesh(mesh, camera.frame.position);
   check_gl("geometry buffer");
 }
 

@@ -1,6 +1,8 @@
 // What the camera sees: the mesh drawn into a geometry buffer.
 #pragma once
 
+#include <optional>
+
 #include "gl/objects.h"
 #include "mesh/mesh.h"
 #include "scene/camera.h"
@@ -8,15 +10,20 @@
 
 namespace parian {
 
+// In an order of its own; attribute 3 of the vertices is their index in the mesh.
 struct MeshBuffers {
   GlHandle<destroy_vertex_array> vertex_array;
   GlHandle<destroy_buffer> vertices, indices;
   int index_count = 0;
   Bounds3 box;
+  bool is_watertight = false;
 };
 // Of a mesh with normals.
 MeshBuffers make_mesh_buffers(const TriangleMesh& mesh);
-void draw_mesh(const MeshBuffers& mesh);  // front to back by the depth test
+// Front to back by the depth test, seen from `eye`, or from infinity. Faces that look away are left
+// out where the mesh is watertight and the eye is outside its box, as others hide them. Views
+// mirror: what is counter-clockwise from outside is clockwise on the target.
+void draw_mesh(const MeshBuffers& mesh, std::optional<Vec3> eye);
 
 // Camera with the depths between which the mesh lies.
 struct SplatCamera {

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
+#include <bit>
 #include <cmath>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/random.h"
 
 namespace parian {
 namespace {
@@ -25,7 +28,32 @@ bool does_escape(const SurfacePoint& point, const RayTracer& tracer) {
   return false;
 }
 
+std::uint64_t hash_place(Vec3 p) {
+  const auto bits = [](float v) { return std::uint64_t{std::bit_cast<std::uint32_t>(v + 0.0f)}; };
+  return hash_u64(hash_u64(bits(p.x) << 32u | bits(p.y)), bits(p.z));
+}
+
 }  // namespace
+
+bool is_watertight(const TriangleMesh& mesh) {
+  std::vector<std::uint64_t> places(mesh.positions.size());
+  parallel_for_blocks(places.size(), 16384, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) places[i] = hash_place(mesh.positions[i]);
+  });
+  // A random number for each edge from one end to the other, less that of the way back.
+  std::atomic<std::uint64_t> boundary = 0;
+  parallel_for_blocks(mesh.triangles.size(), 16384, [&](std::size_t begin, std::size_t end) {
+    std::uint64_t sum = 0;
+    for (std::size_t t = begin; t < end; ++t)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint64_t from = places[mesh.triangles[t][i]];
+        const std::uint64_t to = places[mesh.triangles[t][(i + 1) % 3]];
+        sum += hash_u64(from, to) - hash_u64(to, from);
+      }
+    boundary += sum;
+  });
+  return boundary == 0 && enclosed_volume(mesh) > 0;
+}
 
 double measure_escapes(const SurfaceSamples& samples, const RayTracer& tracer) {
   const std::size_t count = samples.points.size();

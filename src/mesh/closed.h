@@ -9,6 +9,11 @@
 
 namespace parian {
 
+// Whether the surface has no boundary and looks outward: along every edge, counted by where it is,
+// as many triangles go one way as the other, and it encloses a positive volume. From outside no
+// inside of a face is then seen. Wrong for one open surface in 2^64.
+bool is_watertight(const TriangleMesh& mesh);
+
 // Part of the rays sent inwards from the samples that leave without meeting the inside of a face.
 double measure_escapes(const SurfaceSamples& samples, const RayTracer& tracer);
 

@@ -73,5 +73,28 @@ TEST(Closed, MeshesInsideOutAreRefused) {
             "escape (100 %): it has holes");
 }
 
+TEST(Closed, WatertightMeshesHaveNoBoundaryAndLookOutward) {
+  for (const std::string& name : shape_names())
+    EXPECT_TRUE(is_watertight(make_shape(name))) << name;
+  EXPECT_FALSE(is_watertight(make_plane(1)));
+  TriangleMesh inside_out = make_sphere(2);
+  turn_inside_out(inside_out);
+  EXPECT_FALSE(is_watertight(inside_out));
+  for (const std::size_t triangle : {std::size_t{0}, std::size_t{17}}) {
+    TriangleMesh holed = make_sphere(2), bent = make_sphere(2), apart = make_sphere(2);
+    holed.triangles.erase(holed.triangles.begin() + static_cast<std::ptrdiff_t>(triangle));
+    EXPECT_FALSE(is_watertight(holed));
+    std::swap(bent.triangles[triangle][0], bent.triangles[triangle][1]);
+    EXPECT_FALSE(is_watertight(bent));
+    // Vertices that are there twice, as along a seam of a texture, count as one; moved, as a gap.
+    std::uint32_t& corner = apart.triangles[triangle][2];
+    apart.positions.push_back(apart.positions[corner]);
+    corner = static_cast<std::uint32_t>(apart.positions.size() - 1);
+    EXPECT_TRUE(is_watertight(apart));
+    apart.positions.back() += Vec3{1e-6f, 0, 1e-6f};
+    EXPECT_FALSE(is_watertight(apart));
+  }
+}
+
 }  // namespace
 }  // namespace parian

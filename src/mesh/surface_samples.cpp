@@ -31,28 +31,6 @@ std::uint64_t spread_bits(std::uint64_t x) {
   return (x | x << 2u) & 0x1249249249249249;
 }
 
-// Triangles along a space-filling curve (Morton's) through their middles, so that consecutive parts
-// of the area are patches of the surface whatever the order in the file.
-std::vector<std::uint32_t> order_triangles(const TriangleMesh& mesh) {
-  const Bounds3 box = bounds(mesh);
-  const Vec3 size = extent(box);
-  const float scale = 2097151 / (3 * std::max({size.x, size.y, size.z}));
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(mesh.triangles.size());
-  parallel_for_blocks(keys.size(), block, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      Vec3 p;
-      for (const std::uint32_t v : mesh.triangles[i]) p += mesh.positions[v] - box.lower;
-      const auto bits = [&](float x) { return spread_bits(static_cast<std::uint64_t>(x * scale)); };
-      keys[i] = {bits(p.x) << 2u | bits(p.y) << 1u | bits(p.z), static_cast<std::uint32_t>(i)};
-    }
-  });
-  std::sort(keys.begin(), keys.end());
-  std::vector<std::uint32_t> order;
-  order.reserve(keys.size());
-  for (const auto& key : keys) order.push_back(key.second);
-  return order;
-}
-
 std::vector<double> sum_areas(const TriangleMesh& mesh, const std::vector<std::uint32_t>& order) {
   std::vector<double> sums(order.size());
   parallel_for_blocks(sums.size(), block, [&](std::size_t begin, std::size_t end) {
@@ -111,6 +89,37 @@ std::vector<Candidate> make_candidates(const TriangleMesh& mesh,
 
 double SurfaceSamples::spacing_mm() const {
   return std::sqrt(area_mm2);
+}
+
+std::vector<std::uint32_t> order_triangles(const TriangleMesh& mesh) {
+  const Bounds3 box = bounds(mesh);
+  const Vec3 size = extent(box);
+  const float scale = 2097151 / (3 * std::max({size.x, size.y, size.z}));
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(mesh.triangles.size());
+  parallel_for_blocks(keys.size(), block, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Vec3 p;
+      for (const std::uint32_t v : mesh.triangles[i]) p += mesh.positions[v] - box.lower;
+      const auto bits = [&](float x) { return spread_bits(static_cast<std::uint64_t>(x * scale)); };
+      keys[i] = {bits(p.x) << 2u | bits(p.y) << 1u | bits(p.z), static_cast<std::uint32_t>(i)};
+    }
+  });
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::uint32_t> order;
+  order.reserve(keys.size());
+  for (const auto& key : keys) order.push_back(key.second);
+  return order;
+}
+
+std::vector<Vec3> spread_points(const TriangleMesh& mesh, std::size_t count, std::uint64_t seed) {
+  PARIAN_CHECK(!mesh.triangles.empty());
+  const std::vector<std::uint32_t> order = order_triangles(mesh);
+  std::vector<Vec3> points;
+  points.reserve(count);
+  for (const Candidate& candidate :
+       make_candidates(mesh, order, sum_areas(mesh, order), count, seed))
+    points.push_back(candidate.position);
+  return points;
 }
 
 SurfaceSamples make_surface_samples(const TriangleMesh& mesh, std::size_t count, std::uint64_t seed,

@@ -10,6 +10,14 @@
 
 namespace parian {
 
+// Triangles along a space-filling curve (Morton's) through their middles, so that consecutive ones
+// are patches of the surface whatever the order in the file.
+std::vector<std::uint32_t> order_triangles(const TriangleMesh& mesh);
+
+// One at random in each of `count` equal parts of the area.
+std::vector<Vec3> spread_points(const TriangleMesh& mesh, std::size_t count,
+                                std::uint64_t seed = 1);
+
 struct SurfaceSamples {
   std::vector<SurfacePoint> points;
   double area_mm2 = 0;        // of each: surface area / number of points

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gl/splat_renderer.h"
 #include "mesh/shapes.h"
 #include "render/transport_renderer.h"
 #include "scene/camera.h"
@@ -175,6 +176,37 @@ TEST(Live, PicturesAreThoseOfTheCpu) {
     RecordProperty("p99", std::to_string(errors.p99));
     if (HasFailure()) ADD_FAILURE() << dump_pictures("parian-live", expected, image);
   }
+}
+
+// What is reflected, with the object in its own way, is that of splatting (reflection_test.cpp).
+TEST(Live, ReflectsAsSplattingDoes) {
+  Scene scene = make_scene(/*has_single=*/false);
+  scene.lights.pop_back();
+  const HomogeneousTransport transport = make_transport(scene);
+  const OffscreenContext context;
+  SplatParams splat;
+  splat.samples = 1000;
+  splat.antialias = 1;
+  Image reflections[2];
+  for (const bool is_enabled : {true, false}) {
+    scene.specular.enabled = is_enabled;
+    LiveRenderer live(context.limits(), scene, transport, quick_params());
+    SplatRenderer splatting(context.limits(), scene, splat);
+    live.draw();
+    splatting.draw();
+    const Image images[2] = {live.read(), splatting.read()};
+    for (int i = 0; i < 2; ++i) {
+      if (is_enabled) reflections[i] = images[i];
+      for (std::size_t k = 0; k < images[i].values.size() && !is_enabled; ++k)
+        reflections[i].values[k] -= images[i].values[k];
+    }
+  }
+  float most = 0;
+  for (std::size_t k = 0; k < reflections[0].values.size(); ++k) {
+    EXPECT_NEAR(reflections[0].values[k], reflections[1].values[k], 1e-5f) << k;
+    most = std::max(most, reflections[0].values[k]);
+  }
+  EXPECT_GT(most, 0.1f);
 }
 
 class LiveChanges : public testing::TestWithParam<LiveUpdate> {};

@@ -27,12 +27,12 @@ const float deepest = 3.0;
 
 void main() {
   ivec2 texel = ivec2(gl_FragCoord.xy);
-  vec3 flux = vec3(1.0), last = vec3(0.0);
+  vec3 flux = vec3(1.0);
 #ifdef SINGLE
   flux = texelFetch(source_flux, texel, 0).rgb;
   fit_3 = vec4(flux * texelFetch(source_near, texel, 0).rgb, 0.0);
 #endif
-  fit_0 = fit_1 = fit_2 = vec4(0.0);
+  mat4x3 terms = mat4x3(0.0);  // [power][channel]
   float most = 0.0;
   vec3 least = vec3(0.0);
   for (int k = 0; k < NODES; ++k) {
@@ -44,14 +44,11 @@ void main() {
     vec3 root = exp2(0.125 * (max(value, least) + kernel_nodes[k]));
     for (int c = 0; c < 3; ++c) {
       vec4 weights = fit[3 * k + c];
-      fit_0[c] += weights.x * root[c];
-      fit_1[c] += weights.y * root[c];
-      fit_2[c] += weights.z * root[c];
-      last[c] += weights.w * root[c];
+      for (int j = 0; j < 4; ++j) terms[j][c] += weights[j] * root[c];
     }
   }
-  if (most <= 0.0) fit_0.rgb = fit_1.rgb = fit_2.rgb = last = vec3(0.0);
-  fit_0.w = last.r;
-  fit_1.w = last.g;
-  fit_2.w = last.b;
+  if (most <= 0.0) terms = mat4x3(0.0);
+  fit_0 = vec4(terms[0], terms[3].r);
+  fit_1 = vec4(terms[1], terms[3].g);
+  fit_2 = vec4(terms[2], terms[3].b);
 }

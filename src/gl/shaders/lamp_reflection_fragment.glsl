@@ -1,5 +1,4 @@
 // What one light adds to the picture by reflection.
-uniform float exposure;
 layout(location = 0) out vec4 radiance;
 
 void main() {
@@ -10,5 +9,5 @@ void main() {
   float f = eval_ggx(seen, light);
   if (f <= 0.0) discard;
   f *= visibility(seen.position, seen.geometric_normal);
-  radiance = vec4(exposure * f * lamp_irradiance(seen.position), 0.0);
+  radiance = vec4(f * lamp_irradiance(seen.position), 0.0);
 }

@@ -16,5 +16,6 @@ void main() {
     value.rgb = exp(0.5 * mix_corners(corners, near_integral));
     return;
   }
-  value.rgb = exp(half_log_at(corners, ivec2(node), 0.0) + cut_log(mix_corners(corners, material_support), node));
+  vec3 support = mix_corners(corners, material_support);
+  value.rgb = exp(half_log_at(corners, ivec2(node), 0.0) + cut_log(support, node));
 }

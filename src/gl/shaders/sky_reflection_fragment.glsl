@@ -1,6 +1,5 @@
 // Reflection of an environment: visible normals (Heitz 2018), each looked up in the picture at the
-// resolution of its share of the lobe. The object does not hide the environment from itself.
-uniform float exposure;
+// resolution of its share of the lobe, where the object does not hide it.
 uniform int rays;
 layout(location = 0) out vec4 radiance;
 
@@ -31,6 +30,7 @@ void main() {
   vec3 up = cross(stretched, side);
   vec2 size = vec2(textureSize(sky, 0));
   float texel_angle = 4.0 * pi / (size.x * size.y), shift = shift_of(pixel);
+  vec3 place = occlusion_place(seen.position, seen.geometric_normal);
   vec3 sum = vec3(0.0);
   for (int i = 0; i < rays; ++i) {
     vec2 random = fract(vec2((float(i) + 0.5) / float(rays), reverse_bits(uint(i))) +
@@ -45,10 +45,13 @@ void main() {
     if (dot(seen.geometric_normal, light) <= 0.0) continue;
     float f = eval_ggx(seen, light);
     if (f <= 0.0) continue;
+    // Of a sequence that fills the square with any number of its points (Roberts 2018).
+    vec2 of_maps = fract(vec2(0.75487767, 0.56984029) * float(i) + vec2(shift * 3.1, shift * 11.7));
+    if (sees_environment(place, seen.geometric_normal, light, of_maps) == 0.0) continue;
     float nv = dot(n, seen.view);
     float pdf = eval_distribution(n, h) / (2.0 * (nv + masking_root(nv)));
     float lod = 0.5 * log2(max(1.0, 1.0 / (float(rays) * pdf * texel_angle)));
     sum += f / pdf * textureLod(sky, sky_place(light), lod).rgb;
   }
-  radiance = vec4(exposure / float(rays) * sky_scale * sum, 0.0);
+  radiance = vec4(sky_scale * sum / float(rays), 0.0);
 }
