@@ -30,7 +30,7 @@ struct MeshFile : testing::Test, TestFolder {
     return error_of(put(name, bytes));
   }
   static std::string error_of(const std::string& path) {
-    const std::string text = parian::error_of([&] { load_mesh(path); });
+    std::string text = parian::error_of([&] { load_mesh(path); });
     if (text == "no error") return text;
     EXPECT_THAT(text, StartsWith(path + ": "));
     return text.substr(std::min(text.size(), path.size() + 2));
