@@ -7,6 +7,7 @@
 #include "acquire/test_statistics_internal.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "bench/photon/batches.h"
 
 namespace parian::photon {
 namespace {
@@ -21,20 +22,6 @@ Batches trace(const Ball& ball, const std::vector<double>& edges, std::uint64_t 
     found[i] = trace_ball(ball, edges, hash_u64(seed, i), photons / batches);
   });
   return found;
-}
-
-struct Mean {
-  double value = 0, variance = 0;
-};
-template <typename Power>
-Mean mean_of(const Batches& found, const Power& power) {
-  double sum = 0, squares = 0;
-  for (const BallTally& each : found) {
-    const double value = power(each) / each.totals.launched;
-    sum += value, squares += value * value;
-  }
-  const double n = batches, mean = sum / n;
-  return {mean, (squares / n - mean * mean) / (n - 1)};
 }
 
 TEST(Ball, LosesNoPower) {
@@ -80,12 +67,13 @@ TEST(Ball, AbsorbsByTheMeanPathLength) {
       for (const double sigma_s : {0.2, 2.0}) {
         const Ball ball{
             .curvature = 1 / radius, .sigma_a = sigma_a, .sigma_s = sigma_s, .eta = eta};
-        const Mean found = mean_of(trace(ball, {0, 1}, 4, 60000),
-                                   [](const BallTally& each) { return each.totals.absorbed; });
+        const PhotonEstimate found = estimate(
+            trace(ball, {0, 1}, 4, 60000),
+            [](const BallTally& each) { return each.totals.absorbed / each.totals.launched; });
         const double expected = sigma_a * eta * eta * 4 * radius / 3;
-        const double z = (found.value - expected) / std::sqrt(found.variance);
+        const double z = (found.value - expected) / found.error;
         EXPECT_GT(normal_tail(z), least_p(8)) << radius << ' ' << eta << ' ' << sigma_s;
-        EXPECT_LT(std::sqrt(found.variance), 0.02 * expected);
+        EXPECT_LT(found.error, 0.02 * expected);
       }
 }
 
@@ -97,14 +85,14 @@ TEST(Ball, MeetsThePlaneWhenLarge) {
   const Batches large = trace(ball, edges, 6, 100000);
   const auto count = static_cast<int>(edges.size());
   const auto compare = [&](const auto& power) {
-    const Mean a = mean_of(plane, power), b = mean_of(large, power);
-    const double z = (a.value - b.value) / std::sqrt(a.variance + b.variance);
+    const PhotonEstimate a = estimate(plane, power), b = estimate(large, power);
+    const double z = (a.value - b.value) / std::hypot(a.error, b.error);
     EXPECT_GT(normal_tail(z), least_p(count));
-    EXPECT_LT(std::sqrt(a.variance), 0.05 * a.value);
+    EXPECT_LT(a.error, 0.05 * a.value);
   };
   for (std::size_t i = 0; i + 1 < edges.size(); ++i)
-    compare([i](const BallTally& each) { return each.rings[i]; });
-  compare([](const BallTally& each) { return each.totals.reflected; });
+    compare([i](const BallTally& each) { return each.rings[i] / each.totals.launched; });
+  compare([](const BallTally& each) { return each.totals.reflected / each.totals.launched; });
 }
 
 PhotonTotals trace_by_engine(const Ball& ball, std::uint64_t photons) {
@@ -124,12 +112,13 @@ TEST(Ball, PlaneMeetsThePhotonEngine) {
   const double photons = 100000;
   const PhotonTotals engine = trace_by_engine(ball, static_cast<std::uint64_t>(photons));
   const auto compare = [&](double PhotonTotals::*part) {
-    const Mean found = mean_of(trace(ball, {0, 1}, 8, static_cast<std::uint64_t>(photons)),
-                               [part](const BallTally& each) { return each.totals.*part; });
+    const PhotonEstimate found = estimate(
+        trace(ball, {0, 1}, 8, static_cast<std::uint64_t>(photons)),
+        [part](const BallTally& each) { return each.totals.*part / each.totals.launched; });
     // As many photons on both sides; the engine's weight window only lowers the variance.
-    const double z = (found.value - engine.*part / engine.launched) / std::sqrt(2 * found.variance);
+    const double z = (found.value - engine.*part / engine.launched) / (std::sqrt(2) * found.error);
     EXPECT_GT(normal_tail(z), least_p(2));
-    EXPECT_LT(std::sqrt(found.variance), 0.005 * found.value);
+    EXPECT_LT(found.error, 0.005 * found.value);
   };
   compare(&PhotonTotals::reflected);
   compare(&PhotonTotals::specular);

@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "bench/photon/ball.h"
+#include "bench/photon/batches.h"
 #include "bench/photon/study.h"
 
 namespace parian::photon {
@@ -39,20 +40,9 @@ Batches trace_batches(int radius) {  // 0: half-infinite
   return found;
 }
 
-// Of power per power sent.
-template <typename Power>
-PhotonEstimate estimate(const Batches& batches, const Power& power) {
-  double sum = 0, squares = 0;
-  for (const BallTally& each : batches) {
-    const double value = power(each) / each.totals.launched;
-    sum += value, squares += value * value;
-  }
-  const double n = static_cast<double>(batches.size()), mean = sum / n;
-  return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1))};
-}
-
 PhotonEstimate estimate_total(const Batches& batches) {
-  return estimate(batches, [](const BallTally& each) { return each.totals.reflected; });
+  return estimate(
+      batches, [](const BallTally& each) { return each.totals.reflected / each.totals.launched; });
 }
 
 // Up to chord `edge`, one of the edges, in 1 / sigma_s'.
@@ -62,7 +52,7 @@ PhotonEstimate estimate_within(const Batches& batches, double edge) {
     double sum = 0;
     for (std::size_t i = 0; i < each.rings.size(); ++i)
       if (edges[i + 1] <= edge / sigma_s_prime) sum += each.rings[i];
-    return sum;
+    return sum / each.totals.launched;
   });
 }
 
@@ -120,7 +110,7 @@ void write_rings(const Page& page, const Batches& plane, const std::vector<Trace
   Cells cells;
   for (const Traced& ball : balls) table.header.push_back(fmt::format("radius {}", ball.radius));
   for (std::size_t i = 0; i < shown_rings; ++i) {
-    const auto ring = [i](const BallTally& each) { return each.rings[i]; };
+    const auto ring = [i](const BallTally& each) { return each.rings[i] / each.totals.launched; };
     const PhotonEstimate flat = estimate(plane, ring);
     std::vector<std::string> row{fmt::format("{} to {}", shown[i], shown[i + 1])};
     for (const Traced& ball : balls)

@@ -5,6 +5,7 @@
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "bench/photon/batches.h"
 
 namespace parian::photon {
 
@@ -36,17 +37,11 @@ Totals measure_totals(const PhotonVolume& volume, PhotonEntry entry, std::uint64
   });
   Totals totals;
   totals.seconds = watch.seconds();
-  const auto estimate = [&](double PhotonTotals::*part) {
-    double sum = 0, squares = 0;
-    for (const PhotonTotals& each : found) {
-      const double value = each.*part / each.launched;
-      sum += value, squares += value * value;
-    }
-    const double n = batches, mean = sum / n;
-    return PhotonEstimate{mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1))};
+  const auto share = [](double PhotonTotals::*part) {
+    return [part](const PhotonTotals& each) { return each.*part / each.launched; };
   };
-  totals.reflected = estimate(&PhotonTotals::reflected);
-  totals.transmitted = estimate(&PhotonTotals::transmitted);
+  totals.reflected = estimate(found, share(&PhotonTotals::reflected));
+  totals.transmitted = estimate(found, share(&PhotonTotals::transmitted));
   for (const PhotonTotals& each : found)
     totals.photons += each.launched, totals.flights += each.flights;
   return totals;

@@ -37,8 +37,10 @@ struct ReadParam {
   void operator()(std::vector<double>* target) const {  // one number is a list of one
     if (std::holds_alternative<double>(node.value))
       *target = {as_number(node)};
-    else
+    else if (std::holds_alternative<Document::Array>(node.value))
       *target = as_numbers(node);
+    else
+      throw_at(node, "a number or an array of numbers");
   }
   void operator()(const ChoiceTarget&) const { parse_value(param, as_string(node)); }
 };

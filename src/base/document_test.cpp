@@ -52,6 +52,10 @@ TEST(Document, ParamsRoundTripAndAreChecked) {
   set(bad, "segments", located(1000, "/segments"));
   EXPECT_EQ(error_of([&] { read_params(bad, params); }),
             "a.json: /segments: expected a value in [1, 99], found 1000");
+  Document text = located(Document::Object{}, "");
+  set(text, "knots_mm", located("x", "/knots_mm"));
+  EXPECT_EQ(error_of([&] { read_params(text, params); }),
+            "a.json: /knots_mm: expected a number or an array of numbers, found the string 'x'");
 }
 
 }  // namespace

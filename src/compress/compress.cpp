@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "compress/assign.h"
 #include "compress/log_objective.h"
@@ -15,6 +16,7 @@
 #include "fit/reduced_system.h"
 #include "material/bssrdf_table.h"
 #include "material/material.h"
+#include "math/isotonic.h"
 
 namespace parian {
 namespace {
@@ -29,10 +31,24 @@ ErrorWeights weights_of(Objective objective) {
   return {1, 1};
 }
 
+// Profiles that rise, as a fit may leave them, become the nearest that do not: no base may rise.
+void lower_rises(ProfileMap& map) {
+  const std::vector<double> weights(map.knots_mm.size(), 1.0);
+  parallel_for_blocks(map.pixels(), 1024, [&](std::size_t begin, std::size_t end) {
+    std::vector<double> values(map.knots_mm.size());
+    for (int c = 0; c < map.channels; ++c)
+      for (std::size_t i = begin; i < end; ++i) {
+        for (std::size_t k = 0; k < values.size(); ++k)
+          values[k] = static_cast<double>(knot_plane(map, c, static_cast<int>(k))[i]);
+        if (!make_non_increasing(values, weights)) continue;
+        for (std::size_t k = 0; k < values.size(); ++k)
+          knot_plane(map, c, static_cast<int>(k))[i] = static_cast<float>(values[k]);
+      }
+  });
+}
+
 // Gain and dilation written into the profiles, at the same knots.
-ProfileMap flatten(const ProfileMap& map) {
-  ProfileMap flat = map;
-  if (map.gain.empty() && map.dilation.empty()) return flat;
+void bake_edits(ProfileMap& flat, const ProfileMap& map) {
   flat.gain.clear();
   flat.dilation.clear();
   for (int c = 0; c < map.channels; ++c)
@@ -47,6 +63,13 @@ ProfileMap flatten(const ProfileMap& map) {
           knot_plane(flat, c, static_cast<int>(k))[pixel] =
               static_cast<float>(eval_log_profile(profile, map.knots_mm[k]));
       }
+}
+
+// What a blend can take on.
+ProfileMap flatten(const ProfileMap& map) {
+  ProfileMap flat = map;
+  if (!map.gain.empty() || !map.dilation.empty()) bake_edits(flat, map);
+  lower_rises(flat);
   return flat;
 }
 

@@ -197,6 +197,21 @@ TEST(Compress, GainAndDilationAreWrittenIntoTheProfiles) {
                 eval_log_profile(get_profile(map, 1, 3, 2), r), 1e-4);
 }
 
+// A fit without projection may leave profiles that rise; no base of a blend may.
+TEST(Compress, ProfilesThatRiseAreTakenAsTheNearestThatDoNot) {
+  ProfileMap map = make_test_map(6, 5, 1), rising = map;
+  float &third = knot_plane(rising, 0, 2)[7], &fourth = knot_plane(rising, 0, 3)[7];
+  knot_plane(map, 0, 2)[7] = knot_plane(map, 0, 3)[7] = 0.5F * (third + fourth);
+  std::swap(third, fourth);
+  ASSERT_LT(third, fourth);
+  for (const Objective objective : {Objective::balanced, Objective::paper}) {
+    const CompressParams params{.bases = 30, .per_pixel = 1, .objective = objective};
+    const ProfileBlend blend = compress_profiles(rising, nullptr, params);
+    EXPECT_NO_THROW(check(blend, "blend"));
+    EXPECT_EQ(blend.base_log_profile, compress_profiles(map, nullptr, params).base_log_profile);
+  }
+}
+
 TEST(Compress, BadInputIsNamed) {
   const ProfileMap map = make_test_map(8, 6);
   const auto objective = make_blend_objective(map, nullptr, Objective::balanced);

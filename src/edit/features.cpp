@@ -130,12 +130,6 @@ void check_finite(int width, int raw_dims, std::size_t value, float found) {
                .found = fmt::format("{}", found)});
 }
 
-double integral_of_product(const Profile& a, const Profile& b, double r0, double r1) {
-  if (r1 > a.support_mm || r1 > b.support_mm) return 0;
-  return segment_integral(r0, r1 - r0, eval_log_profile(a, r0) + eval_log_profile(b, r0),
-                          eval_log_profile(a, r1) + eval_log_profile(b, r1));
-}
-
 }  // namespace
 
 Features reduce_features(int width, int height, int raw_dims, int dims, const FillRaw& fill) {
@@ -170,22 +164,6 @@ double feature_distance_squared(const Features& features, std::size_t a, std::si
     sum += step * step;
   }
   return sum;
-}
-
-double profile_distance_squared(const Profile& a, const Profile& b) {
-  std::vector<double> cuts = a.knots_mm;
-  cuts.insert(cuts.end(), b.knots_mm.begin(), b.knots_mm.end());
-  cuts.push_back(a.support_mm);
-  cuts.push_back(b.support_mm);
-  std::sort(cuts.begin(), cuts.end());
-  double sum = 0;
-  for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
-    const double r0 = cuts[k], r1 = cuts[k + 1];
-    if (!(r1 > r0)) continue;
-    sum += integral_of_product(a, a, r0, r1) - 2 * integral_of_product(a, b, r0, r1) +
-           integral_of_product(b, b, r0, r1);
-  }
-  return std::max(0.0, sum);
 }
 
 Features make_features(int width, int height, int raw_dims, const std::vector<float>& values,

@@ -27,13 +27,10 @@ struct Features {
 
 double feature_distance_squared(const Features& features, std::size_t a, std::size_t b);
 
-// Eq. 11 for one channel: d^2 = integral of (P_a - P_b)^2 r dr over both supports, closed form, in
-// 1/mm^2. Sum it over the channels.
-double profile_distance_squared(const Profile& a, const Profile& b);
-
-// Eq. 11 embedded: components sqrt(c_q) P(r_q) of all channels, with two Gauss nodes r_q for each
-// segment between knots and weights c_q that include r (error < 2 % where P falls by less than e
-// per segment), then the first `dims` principal components. Gain and dilation count.
+// Eq. 11, d^2 = integral of (P_a - P_b)^2 r dr summed over the channels, embedded: components
+// sqrt(c_q) P(r_q) of all channels, with two Gauss nodes r_q for each segment between knots and
+// weights c_q that include r (error < 2 % where P falls by less than e per segment), then the first
+// `dims` principal components. Gain and dilation count.
 Features make_profile_features(const ProfileMap& map, int dims = 6);
 
 // The same with ln P instead of P and without the factor r: every radius counts alike, dark

@@ -2,13 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/test_errors.h"
 #include "material/bssrdf_table.h"
+#include "material/profile_map.h"
 
 namespace parian {
 namespace {
@@ -37,6 +40,29 @@ ProfileMap random_map(int width, int height, int channels, std::uint64_t seed) {
     }
   }
   return map;
+}
+
+double integral_of_product(const Profile& a, const Profile& b, double r0, double r1) {
+  if (r1 > a.support_mm || r1 > b.support_mm) return 0;
+  return segment_integral(r0, r1 - r0, eval_log_profile(a, r0) + eval_log_profile(b, r0),
+                          eval_log_profile(a, r1) + eval_log_profile(b, r1));
+}
+
+// Eq. 11 for one channel: d^2 = integral of (P_a - P_b)^2 r dr over both supports, in 1/mm^2.
+double profile_distance_squared(const Profile& a, const Profile& b) {
+  std::vector<double> cuts = a.knots_mm;
+  cuts.insert(cuts.end(), b.knots_mm.begin(), b.knots_mm.end());
+  cuts.push_back(a.support_mm);
+  cuts.push_back(b.support_mm);
+  std::sort(cuts.begin(), cuts.end());
+  double sum = 0;
+  for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+    const double r0 = cuts[k], r1 = cuts[k + 1];
+    if (!(r1 > r0)) continue;
+    sum += integral_of_product(a, a, r0, r1) - 2 * integral_of_product(a, b, r0, r1) +
+           integral_of_product(b, b, r0, r1);
+  }
+  return std::max(0.0, sum);
 }
 
 double map_distance_squared(const ProfileMap& map, std::size_t a, std::size_t b) {

@@ -210,15 +210,20 @@ void solve_lanes(const System& system, std::size_t first_stroke, std::size_t cou
 
 }  // namespace
 
+Param appearance_sigma_param(double& sigma) {
+  return {.name = "sigma",
+          .help =
+              "squared distance of appearance at which similarity falls to 1/e; 1 is the mean "
+              "over random pairs",
+          .target = &sigma,
+          .min = 1e-6,
+          .max = 1e6,
+          .symbol = "sigma_a"};
+}
+
 ParamList describe(PropagateParams& params) {
   return {
-      {.name = "sigma",
-       .help = "squared distance of appearance at which similarity falls to 1/e; 1 is the mean "
-               "over random pairs",
-       .target = &params.sigma,
-       .min = 1e-6,
-       .max = 1e6,
-       .symbol = "sigma_a"},
+      appearance_sigma_param(params.sigma),
       {.name = "strength",
        .help = "smoothness along the graph, relative to its default",
        .target = &params.strength,

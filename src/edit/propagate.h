@@ -33,6 +33,7 @@ struct PropagateParams {
   bool rest = false;
 };
 ParamList describe(PropagateParams& params);
+Param appearance_sigma_param(double& sigma);  // of either solver
 
 // lambda = strength default_smoothness / k: all edges of a pixel together weigh 1/50 of a stroke.
 inline constexpr double default_smoothness = 0.02;
@@ -70,11 +71,5 @@ Propagation propagate(const NeighbourGraph& graph, const Features& features,
 // compete with.
 std::vector<float> normalise_indicators(const Propagation& propagation,
                                         const std::vector<bool>& positive);
-
-// Both, with params.rest set when no stroke with a pixel of positive weight is negative: 1 under
-// positive strokes, 0 under negative ones.
-std::vector<float> propagate_mask(const NeighbourGraph& graph, const Features& features,
-                                  const std::vector<StrokePixel>& pixels,
-                                  const std::vector<bool>& positive, PropagateParams params = {});
 
 }  // namespace parian

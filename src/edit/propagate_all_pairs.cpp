@@ -148,13 +148,7 @@ ParamList describe(AllPairsParams& params) {
        .min = 1,
        .max = 2000,
        .symbol = "m"},
-      {.name = "sigma",
-       .help = "squared distance of appearance at which similarity falls to 1/e; 1 is the mean "
-               "over random pairs",
-       .target = &params.sigma,
-       .min = 1e-6,
-       .max = 1e6,
-       .symbol = "sigma_a"},
+      appearance_sigma_param(params.sigma),
       {.name = "sigma-space",
        .help = "distance in the image at which similarity falls to 1/e, relative to the diagonal; "
                "0: no limit",

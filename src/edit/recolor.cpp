@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/parallel.h"
+#include "image/color_spaces.h"
 
 namespace parian {
 namespace {
@@ -62,11 +63,6 @@ ParamList describe(Recolor& recolor) {
 
 bool is_identity(const Recolor& recolor) {
   return recolor.hue_deg == 0 && recolor.saturation == 1 && recolor.lightness == 1;
-}
-
-Color recolor_albedo(const Color& albedo, const Recolor& recolor, double amount) {
-  if (amount == 0 || is_identity(recolor)) return albedo;
-  return change_color(albedo, make_change(recolor, amount));
 }
 
 void recolor_planes(double* albedo, std::size_t pixels, const Recolor& recolor,

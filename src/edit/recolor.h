@@ -1,8 +1,9 @@
 // Hue, saturation and lightness of albedos, in OKLCh, where equal steps look equal.
 #pragma once
 
+#include <cstddef>
+
 #include "base/params.h"
-#include "image/color_spaces.h"
 
 namespace parian {
 
@@ -14,12 +15,9 @@ struct Recolor {
 ParamList describe(Recolor& recolor);
 bool is_identity(const Recolor& recolor);
 
-// `amount` in [0, 1] interpolates the parameters from "no change"; 0 returns the same bits. Where a
-// channel would be negative, chroma falls at constant hue and lightness until none is. Channels
-// above 1 stay as they are.
-Color recolor_albedo(const Color& albedo, const Recolor& recolor, double amount);
-
-// Planes [3][pixels] in place.
+// Planes [3][pixels] in place. `amount` in [0, 1] interpolates the parameters from "no change"; 0
+// leaves the same bits. Where a channel would be negative, chroma falls at constant hue and
+// lightness until none is. Channels above 1 stay as they are.
 void recolor_planes(double* albedo, std::size_t pixels, const Recolor& recolor,
                     const float* amount);
 

@@ -131,19 +131,4 @@ std::vector<float> normalise_indicators(const Propagation& propagation,
   return mask;
 }
 
-std::vector<float> propagate_mask(const NeighbourGraph& graph, const Features& features,
-                                  const std::vector<StrokePixel>& pixels,
-                                  const std::vector<bool>& positive, PropagateParams params) {
-  params.rest = true;
-  for (const StrokePixel& p : pixels) {
-    PARIAN_CHECK(p.stroke >= 0 && static_cast<std::size_t>(p.stroke) < positive.size());
-    if (!positive[static_cast<std::size_t>(p.stroke)] && p.weight > 0) params.rest = false;
-  }
-  const Propagation result =
-      propagate(graph, features, pixels, static_cast<int>(positive.size()), params);
-  // Without a negative pixel an empty negative stroke must not make the mask 1 everywhere.
-  return normalise_indicators(result,
-                              params.rest ? std::vector<bool>(positive.size(), true) : positive);
-}
-
 }  // namespace parian

@@ -14,7 +14,7 @@ void check_knots(const std::vector<double>& knots, double radius_mm) {
   if (knots.size() < 2 || knots.size() > 257 || knots[0] != 0)
     throw Error({.place = "knots-mm",
                  .expected = "2 to 257 increasing lengths from 0",
-                 .found = fmt::format("{} from {}", knots.size(), knots[0])});
+                 .found = fmt::format("{} that begin at {}", knots.size(), knots[0])});
   for (std::size_t k = 1; k < knots.size(); ++k)
     if (!(knots[k] > knots[k - 1]) || std::isinf(knots[k]))
       throw Error({.place = fmt::format("knots-mm[{}]", k),

@@ -101,8 +101,9 @@ void pair_planes(int grid_width, int grid_height, Offset offset, const float* lo
 void check_knots(const std::vector<double>& knots, const std::string& name,
                  const std::string& place) {
   if (knots.size() < 2 || knots[0] != 0)
-    throw Error({name, place, "two or more knots from 0",
-                 knots.empty() ? "none" : fmt::format("{} from {}", knots.size(), knots[0])});
+    throw Error(
+        {name, place, "two or more knots from 0",
+         knots.empty() ? "none" : fmt::format("{} that begin at {}", knots.size(), knots[0])});
   for (std::size_t k = 1; k < knots.size(); ++k)
     if (!(knots[k] > knots[k - 1]) || std::isinf(knots[k]))
       throw Error({name, fmt::format("knots_mm[{}]", k),

@@ -324,7 +324,7 @@ TEST(ProfileBlend, CheckNamesWhatIsWrongWithSizes) {
   EXPECT_EQ(error_after([](ProfileBlend& b) { b.pixel_pitch_mm = 0; }),
             "b.kbm: pixel_pitch_mm: expected a finite length > 0, found 0");
   EXPECT_EQ(error_after([](ProfileBlend& b) { b.knots_mm[0] = 0.25; }),
-            "b.kbm: knots_mm: expected two or more knots from 0, found 4 from 0.25");
+            "b.kbm: knots_mm: expected two or more knots from 0, found 4 that begin at 0.25");
   EXPECT_EQ(error_after([](ProfileBlend& b) { b.knots_mm[2] = 0.5; }),
             "b.kbm: knots_mm[2]: expected a finite value > 0.5, found 0.5");
   EXPECT_EQ(error_after([](ProfileBlend& b) { b.base_log_profile.clear(); }),

@@ -313,8 +313,9 @@ void check(const SurfaceMask& mask, const TriangleMesh& mesh, const std::string&
     try {
       std::visit(CheckShape{}, shape);
     } catch (const Error& error) {
-      throw Error({file, fmt::format("{} {}", here, error.parts.place), error.parts.expected,
-                   error.parts.found});
+      std::string key = error.parts.place;
+      std::replace(key.begin(), key.end(), '-', '_');
+      throw Error({file, here + "/" + key, error.parts.expected, error.parts.found});
     }
     if (const auto* painted = std::get_if<VertexMask>(&shape);
         painted != nullptr && painted->weights.size() != vertices)

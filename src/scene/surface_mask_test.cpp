@@ -165,15 +165,15 @@ TEST(SurfaceMask, Errors) {
   SphereMask sphere;
   sphere.radius_mm = std::nan("");
   EXPECT_EQ(error_of({{sphere}}),
-            "s.json: /layers/0/mask radius-mm: expected a value in [0, 1000000], found nan");
+            "s.json: /layers/0/mask/radius_mm: expected a value in [0, 1000000], found nan");
   EXPECT_EQ(error_of({{NoiseMask{}}, {GradientMask{{1, 1, 1}, {1, 1, 1}}}}),
-            "s.json: /layers/0/mask/1 to: expected another point than 'from', found the same");
+            "s.json: /layers/0/mask/1/to: expected another point than 'from', found the same");
   EXPECT_EQ(error_of({{SlabMask{{}, {0, 2, 0}}}}),
-            "s.json: /layers/0/mask direction: expected a unit vector, found [0, 2, 0]");
+            "s.json: /layers/0/mask/direction: expected a unit vector, found [0, 2, 0]");
   ProjectedMask projected;
   projected.up = {0, 0, 1};
   EXPECT_EQ(error_of({{projected}}),
-            "s.json: /layers/0/mask up: expected another direction than that in which it is cast, "
+            "s.json: /layers/0/mask/up: expected another direction than that in which it is cast, "
             "found the same");
   EXPECT_EQ(error_of({{VertexMask{{1, 0}}}}, plain),
             "s.json: /layers/0/mask: expected 24 weights, one per vertex of the mesh, found 2");

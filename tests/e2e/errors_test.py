@@ -12,8 +12,8 @@ import program
 
 class Usage(program.ProgramTest):
     def test_help_shows_an_example(self):
-        commands = ("simulate", "capture", "import", "fit", "edit", "reconstruct", "compare", "relight", "precompute",
-                    "render", "info", "demo")
+        commands = ("simulate", "capture", "import", "fit", "compress", "edit", "reconstruct", "compare", "relight",
+                    "precompute", "render", "info", "studio", "demo")
         overview = self.succeed("--help")
         for command in commands:
             self.assertIn(command, overview)
@@ -43,6 +43,8 @@ class Usage(program.ProgramTest):
     def test_missing_and_surplus_words(self):
         self.fail_with(2, "expected TABLE.h5 after 'fit', found nothing", "fit", "-o", "m.h5")
         self.fail_with(2, "--output: expected MAP.h5, found nothing", "fit", "t.h5")
+        self.fail_with(2, "expected TABLE.h5 after 'fit', found nothing", "fit", "", "-o", "m.h5")
+        self.fail_with(2, "--output: expected MAP.h5, found nothing", "fit", "t.h5", "-o", "")
         self.fail_with(2, "expected 1 file after 'fit', found 'b.h5' too", "fit", "a.h5", "b.h5",
                        "-o", "m.h5")
 
@@ -62,6 +64,29 @@ class Usage(program.ProgramTest):
         self.fail_with(2, "table.h5: expected an output of another name, found the input",
                        "fit", "table.h5", "-o", "table.h5")
         self.assertEqual(self.read_bytes("table.h5"), before)
+
+    def test_output_must_not_be_what_a_recipe_reads(self):
+        self.succeed("simulate", "sample.json", "-o", "table.h5")
+        self.succeed("fit", "table.h5", "-o", "map.h5")
+        self.succeed("fit", "table.h5", "-o", "other.h5", "--segments", "3")
+        self.write_json("recipe.json", {"format": "parian-recipe", "version": 1, "layers": [
+            {"operation": "blend", "from": {"map": "other.h5"}}]})
+        before = self.read_bytes("other.h5")
+        self.fail_with(2, "./other.h5: expected an output of another name, found the input",
+                       "edit", "map.h5", "-r", "recipe.json", "-o", "./other.h5")
+        self.assertEqual(self.read_bytes("other.h5"), before)
+
+    def test_figures_must_not_take_the_place_of_a_file_in_use(self):
+        before = self.read_bytes("sample.json")
+        for name in ("sample.json", "./sample.json", str(self.folder / "sample.json")):
+            self.fail_with(2, "--json: expected a file of its own, found 'sample.json' again",
+                           "simulate", "sample.json", "-o", "table.h5", "--json", name)
+        self.fail_with(2, "--json: expected a file of its own, found 'table.h5' again",
+                       "simulate", "sample.json", "-o", "table.h5", "--json", "./table.h5")
+        self.fail_with(2, "--json: expected a file of its own, found 'sample.json' again",
+                       "info", "sample.json", "--json", "sample.json")
+        self.assertEqual(self.read_bytes("sample.json"), before)
+        self.assertEqual(self.names(), ["sample.json"])
 
 
 class BadInput(program.ProgramTest):
@@ -108,6 +133,40 @@ class BadInput(program.ProgramTest):
         self.succeed("fit", "other.h5", "-o", "other-map.h5")
         self.assertIn("other-map.h5", self.fails("compare", "table.h5", "other-map.h5"))
         self.assertIn("other.h5", self.fails("compare", "table.h5", "other.h5"))
+
+    def test_parameters_that_mean_nothing(self):
+        self.succeed("fit", "table.h5", "-o", "map.h5")
+        self.succeed("compress", "map.h5", "-o", "b.kbm", "-M", "4")
+        self.fail_with(2, "--segments: expected a table to fit, found map.h5",
+                       "compress", "map.h5", "-o", "c.kbm", "--segments", "5")
+        self.fail_with(2, "--blur-px: expected --synthesize with it, found photographs",
+                       "capture", ".", "-o", "t.h5", "--blur-px", "3")
+        self.fail_with(1, "b.kbm: expected a table or a profile map, found a blend",
+                       "compress", "b.kbm", "-o", "c.kbm")
+        render = ("render", "scene.json", "-o", "a.png")
+        self.fail_with(2, "--tolerance: expected --method tree with it, found --method splat",
+                       *render, "--method", "splat", "--tolerance", "0.1")
+        self.fail_with(2, "--quality: expected --method tree with it, found --method brute",
+                       *render, "--method", "brute", "--quality", "0.1")
+        self.fail_with(2, "--shading: expected --method tree with it, found --method splat",
+                       *render, "--method", "splat", "--shading", "vertex")
+        self.fail_with(2, "--rays: expected a picture without --transport, found t.h5",
+                       *render, "--transport", "t.h5", "--rays", "16")
+
+    def test_folders_that_cannot_be_made_fail_before_the_work(self):
+        self.succeed("fit", "table.h5", "-o", "map.h5")
+        self.write_json("recipe.json", {"format": "parian-recipe", "version": 1, "layers": []})
+        names = self.names()
+        for command in (["edit", "map.h5", "-r", "recipe.json", "-o", "e.h5", "--masks"],
+                        ["edit", "map.h5", "-r", "recipe.json", "-o", "e.h5", "--planes"],
+                        ["compress", "map.h5", "-o", "b.kbm", "--watch"],
+                        ["compare", "table.h5", "map.h5", "--plot", "1,1", "--plot-dir"]):
+            self.fail_with(1, "table.h5: expected a folder that can be made, found Not a directory",
+                           *command, "table.h5")
+        self.fail_with(1, "e.kbm: expected an output named .h5, as the input is a map "
+                       "(parian compress makes a blend of it), found .kbm",
+                       "edit", "map.h5", "-r", "recipe.json", "-o", "e.kbm")
+        self.assertEqual(self.names(), names)
 
     def test_a_table_is_no_material(self):
         self.assertIn("expected a material", self.fails("reconstruct", "table.h5", "--like", "table.h5",

@@ -17,6 +17,7 @@
 #include "io/capture/capture_folder.h"
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
+#include "io/json/files.h"
 #include "io/json/json.h"
 
 namespace parian {
@@ -118,11 +119,7 @@ void synthesize(const CaptureOptions& options, const Context& context) {
                 ErrorKind::usage);
   // What the description must be for a capture, checked before anything is written.
   read_capture_meta(parse_document(format_document(write_capture_meta(meta)), "meta.json"));
-  std::error_code failure;
-  fs::create_directories(options.output, failure);
-  if (failure)
-    throw Error({options.output, {}, "a folder that can be made", failure.message()},
-                ErrorKind::resource);
+  make_folder(options.output);
   std::size_t frames = 0;
   synthesize_capture(
       truth.table, meta, options.synthesis,
@@ -162,7 +159,8 @@ std::string summarise(const CaptureReport& report) {
 }
 
 void capture(const CaptureOptions& options, const Context& context) {
-  check_figures(context);
+  CaptureOptions given = options, defaults;
+  check_unused(describe(given), describe(defaults), "--synthesize with it", "photographs");
   check_output(options.output, {});
   const CaptureMeta meta = open_capture(options.input);
   CaptureResult result;

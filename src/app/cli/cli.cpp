@@ -8,11 +8,13 @@
 #include <new>
 
 #include "app/cli/command.h"
+#include "app/cli/inputs.h"
 #include "app/cli/interrupt.h"
 #include "app/cli/progress_bar.h"
 #include "base/error.h"
 #include "base/names.h"
 #include "base/parallel.h"
+#include "io/json/files.h"
 
 namespace parian {
 namespace {
@@ -147,11 +149,10 @@ void check_leftovers(const CLI::App& sub, const CommandSpec& command) {
   for (const Flag& flag : command.flags)
     if (flag.alone && sub.get_option("--" + flag.name)->count() > 0) return;
   for (const Positional& positional : command.positionals)
-    if (!positional.optional && sub.get_option(positional.name)->count() == 0 &&
-        positional.target->empty())
+    if (!positional.optional && positional.target->empty())
       throw_usage({}, positional.name + " after '" + command.name + "'", "nothing");
   for (const Flag& flag : command.flags)
-    if (flag.required && sub.get_option("--" + flag.name)->count() == 0)
+    if (flag.required && std::get<std::string*>(flag.target)->empty())
       throw_usage("--" + flag.name, flag.value_name, "nothing");
 }
 
@@ -174,7 +175,21 @@ void read_param_texts(const std::deque<ParamText>& texts) {
   }
 }
 
+// Before the work: figures must not take the place of a file that the command reads or writes.
+void check_figures(const CommandSpec& command, const std::string& path) {
+  if (path.empty() || path == "-") return;
+  const auto check_apart = [&](const std::string& other) {
+    if (is_same_file(path, other))
+      throw_usage("--json", "a file of its own", "'" + other + "' again");
+  };
+  for (const Positional& positional : command.positionals) check_apart(*positional.target);
+  for (const Flag& flag : command.flags)
+    if (const auto* text = std::get_if<std::string*>(&flag.target)) check_apart(**text);
+  check_writable(path);
+}
+
 void run_command(const CommandSpec& command, const CommonFlags& common) {
+  check_figures(command, common.json);
   const ThreadLimit limit(common.threads);
   ProgressBar bar(!common.quiet);
   Context context;

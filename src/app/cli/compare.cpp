@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
+#include "io/json/files.h"
 #include "judge/false_color.h"
 
 namespace parian {
@@ -97,16 +98,15 @@ void save_plots(const CompareOptions& options, const SliceSource& table, const S
                 ErrorKind::usage);
   const std::vector<Image> plots =
       plot_profiles(table, *model.slices, model.material.get(), pixels, channel);
-  std::filesystem::create_directories(options.plot_folder);
   for (std::size_t i = 0; i < plots.size(); ++i)
     save_image(fmt::format("{}/profile-{}-{}.png", options.plot_folder, pixels[i].x, pixels[i].y),
                plots[i]);
 }
 
 void compare_files(const CompareOptions& options, const Context& context) {
-  check_figures(context);
   const std::vector<std::string> inputs{options.table, options.material};
   if (!options.error_image.empty()) check_output(options.error_image, inputs);
+  if (!options.plots.empty()) make_folder(options.plot_folder);
   const std::unique_ptr<SliceSource> table = open_table(options.table);
   const Surface model = open_surface(options.material, &table->header());
   std::vector<PlotPixel> pixels;

@@ -1,10 +1,8 @@
 // parian compress: a table or a fitted map -> K base materials per pixel (Yatagawa et al. 2019).
 #include "compress/compress.h"
-#include "base/stopwatch.h"
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -13,6 +11,7 @@
 #include "app/cli/output.h"
 #include "app/report/provenance.h"
 #include "base/error.h"
+#include "base/stopwatch.h"
 #include "compress/choose.h"
 #include "compress/pictures.h"
 #include "fit/fit.h"
@@ -20,6 +19,7 @@
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
+#include "io/json/files.h"
 #include "judge/compare.h"
 
 namespace parian {
@@ -43,7 +43,12 @@ struct Source {
 
 Source open_source(const CompressOptions& options, const Progress& progress) {
   Source source;
-  if (find_file_kind(options.input) == FileKind::map) {
+  const FileKind kind = find_file_kind(options.input);
+  if (kind == FileKind::blend)
+    throw Error({options.input, {}, "a table or a profile map", "a blend"});
+  if (kind == FileKind::map) {
+    FitParams given = options.fit, defaults;
+    check_unused(describe(given), describe(defaults), "a table to fit", options.input);
     source.map = load_profile_map(options.input);
     if (!options.table.empty()) source.table = open_table(options.table);
     return source;
@@ -71,7 +76,6 @@ CompareReport judge(const Source& source, const ProfileBlend& blend, const Progr
 
 // Pictures of a run, round by round, and the blend to go on from with --start.
 void write_round(const std::string& folder, const CompressState& state) {
-  std::filesystem::create_directories(folder);
   const ProfileBlend blend = make_blend(state);
   const std::string path = fmt::format("{}/round-{:03}", folder, state.history.size() - 1);
   save_image(path + "-weights.png", make_weight_image(blend));
@@ -190,7 +194,7 @@ void compress(const CompressOptions& options, const Context& context) {
   for (const std::string& input : {options.table, options.start})
     if (!input.empty()) inputs.push_back(input);
   check_output(options.output, inputs);
-  check_figures(context);
+  if (!options.watch.empty()) make_folder(options.watch);
   CompressParams checked = options.params;
   check(describe(checked));
   const Stopwatch watch;

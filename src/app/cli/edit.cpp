@@ -17,6 +17,7 @@
 #include "io/hdf5/map_file.h"
 #include "io/hdf5/table_file.h"
 #include "io/image/image_file.h"
+#include "io/json/files.h"
 #include "io/json/json.h"
 
 namespace parian {
@@ -54,6 +55,21 @@ Source open_source(const EditOptions& options) {
   return source;
 }
 
+bool wants_blend(const EditOptions& options) {
+  return std::filesystem::path(options.output).extension() == ".kbm";
+}
+
+void check_kinds(const EditOptions& options, const Source& source) {
+  if (options.bases && !wants_blend(options))
+    throw Error({{}, "--bases", "an output named .kbm", options.output}, ErrorKind::usage);
+  if (wants_blend(options) && !source.blend)
+    throw Error({options.output,
+                 {},
+                 "an output named .h5, as the input is a map (parian compress "
+                 "makes a blend of it)",
+                 ".kbm"});
+}
+
 struct LayerFigures {
   std::string name, operation;
   double seconds = 0;
@@ -85,7 +101,6 @@ std::vector<LayerFigures> run_layers(EditSession& session, const Progress& progr
 }
 
 void write_masks(const EditSession& session, const std::string& folder) {
-  std::filesystem::create_directories(folder);
   for (std::size_t i = 0; i < session.recipe.layers.size(); ++i) {
     const LayerResult* result = find_result(session, i);
     if (result == nullptr || result->mask->weight.empty()) continue;
@@ -98,7 +113,6 @@ void write_masks(const EditSession& session, const std::string& folder) {
 
 // Channels as colours, in EXR: 2 pi C, alpha and the mean radius in mm.
 void write_planes(const EditState& state, const std::string& folder) {
-  std::filesystem::create_directories(folder);
   const auto write = [&](const char* name, const Plane& plane) {
     Image image = make_image(state.width, state.height, state.channels);
     const auto channels = static_cast<std::size_t>(state.channels);
@@ -116,20 +130,11 @@ void save(const EditOptions& options, const Source& source, const EditSession& s
           const EditState& result) {
   const std::string provenance = make_edit_provenance(options.input, source.provenance,
                                                       options.recipe, write_recipe(session.recipe));
-  const bool wants_blend = std::filesystem::path(options.output).extension() == ".kbm";
-  if (!wants_blend) {
-    if (options.bases)
-      throw Error({{}, "--bases", "an output named .kbm", options.output}, ErrorKind::usage);
+  if (!wants_blend(options)) {
     ProfileMap map = make_profile_map(result);
     map.provenance = provenance;
     return save_profile_map(options.output, map);
   }
-  if (!source.blend)
-    throw Error({options.output,
-                 {},
-                 "an output named .h5, as the input is a map (parian compress "
-                 "makes a blend of it)",
-                 ".kbm"});
   ProfileBlend blend;
   try {
     blend = options.bases ? retarget_bases(*source.blend, result)
@@ -208,12 +213,16 @@ void list_operations() {
 void edit(const EditOptions& options, const Context& context) {
   if (options.list) return list_operations();
   check_output(options.output, {options.input, options.recipe});
-  check_figures(context);
+  for (const std::string& folder : {options.masks, options.planes})
+    if (!folder.empty()) make_folder(folder);
   const Source source = open_source(options);
+  check_kinds(options, source);
+  std::vector<std::string> files;
   EditSession session = make_edit_session(
       source.map,
-      make_recipe_loaders(std::filesystem::path(options.recipe).parent_path().string()));
+      make_recipe_loaders(std::filesystem::path(options.recipe).parent_path().string(), &files));
   set_recipe(session, load_document(options.recipe));
+  check_output(options.output, files);
   const std::vector<LayerFigures> figures = run_layers(session, context.progress);
   const EditState result = evaluate(session, context.progress);
   save(options, source, session, result);

@@ -53,7 +53,6 @@ std::string summarise(const FitResult& result, const FitOptions& options) {
 
 void fit(const FitOptions& options, const Context& context) {
   check_output(options.output, {options.table});
-  check_figures(context);
   const std::unique_ptr<SliceSource> table = open_table(options.table);
   FitResult result = fit_profiles(*table, options.params, context.progress);
   result.map.provenance = make_fit_provenance(*table, options.params);

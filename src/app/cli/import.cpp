@@ -25,11 +25,7 @@ struct ImportOptions {
 };
 
 ParamList describe(ImportOptions& options) {
-  return {{.name = "deflate",
-           .help = "compression of the table, 0 for none",
-           .target = &options.deflate,
-           .min = 0,
-           .max = 9}};
+  return {deflate_param(options.deflate)};
 }
 
 NamedArray load_array(const std::string& path) {

@@ -357,7 +357,6 @@ CommandSpec make_info_command() {
        file.get()}};
   command.has_figures = true;
   command.run = [file](const Context& context) {
-    check_figures(context);
     const Document figures = describe_file(*file, context);
     write_figures(context, figures);
     print_summary(context, format_lines(figures));

@@ -99,9 +99,11 @@ LoadedScene load_scene(const Document& document, const std::string& path, Disabl
   return loaded;
 }
 
-RecipeLoaders make_recipe_loaders(const std::string& folder) {
-  const auto resolve = [folder = std::filesystem::path(folder)](const std::string& name) {
-    return (folder / name).string();
+RecipeLoaders make_recipe_loaders(const std::string& folder, std::vector<std::string>* files) {
+  const auto resolve = [folder = std::filesystem::path(folder), files](const std::string& name) {
+    std::string path = (folder / name).string();
+    if (files != nullptr) files->push_back(path);
+    return path;
   };
   RecipeLoaders loaders;
   loaders.load_map = [resolve](const std::string& name) {
@@ -114,12 +116,34 @@ RecipeLoaders make_recipe_loaders(const std::string& folder) {
   return loaders;
 }
 
-void check_output(const std::string& path, const std::vector<std::string>& inputs) {
+bool is_same_file(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
   std::error_code ignored;
+  return !a.empty() && !b.empty() &&
+         (fs::equivalent(a, b, ignored) || fs::weakly_canonical(fs::absolute(a), ignored) ==
+                                               fs::weakly_canonical(fs::absolute(b), ignored));
+}
+
+void check_output(const std::string& path, const std::vector<std::string>& inputs) {
   for (const std::string& input : inputs)
-    if (std::filesystem::equivalent(path, input, ignored))
+    if (is_same_file(path, input))
       throw Error({path, {}, "an output of another name", "the input"}, ErrorKind::usage);
   check_writable(path);
+}
+
+Param deflate_param(int& deflate) {
+  return {.name = "deflate",
+          .help = "compression of the table, 0 for none",
+          .target = &deflate,
+          .min = 0,
+          .max = 9};
+}
+
+void check_unused(const ParamList& given, const ParamList& defaults, const std::string& expected,
+                  const std::string& found) {
+  for (std::size_t i = 0; i < given.size(); ++i)
+    if (format_value(given[i]) != format_value(defaults[i]))
+      throw Error({{}, "--" + given[i].name, expected, found}, ErrorKind::usage);
 }
 
 PlotPixel parse_pixel(const std::string& text, const TableHeader& header) {

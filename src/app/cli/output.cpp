@@ -3,7 +3,6 @@
 #include <cstdio>
 
 #include "base/error.h"
-#include "io/json/files.h"
 #include "io/json/json.h"
 
 namespace parian {
@@ -19,10 +18,6 @@ void write_out(const std::string& text) {
 
 void print_summary(const Context& context, const std::string& text) {
   if (!context.quiet && context.json != "-") write_out(text);
-}
-
-void check_figures(const Context& context) {
-  if (!context.json.empty() && context.json != "-") check_writable(context.json);
 }
 
 void write_figures(const Context& context, const Document& figures) {

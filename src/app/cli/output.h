@@ -10,8 +10,6 @@ namespace parian {
 // To standard output, unless --quiet or the figures go there.
 void print_summary(const Context& context, const std::string& text);
 
-// Fails early where --json cannot be written.
-void check_figures(const Context& context);
 // As --json says.
 void write_figures(const Context& context, const Document& figures);
 

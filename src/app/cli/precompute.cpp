@@ -86,7 +86,6 @@ std::string summarise(const std::string& output, const TransportFile& file,
 
 void precompute_file(const PrecomputeOptions& options, const Context& context) {
   check_output(options.output, {options.scene});
-  check_figures(context);
   const LoadedScene loaded = load_scene(options.scene);
   check_output(options.output, loaded.files);
   for (const std::string& text : loaded.scene.warnings) warn(context, text);

@@ -42,6 +42,28 @@ ParamList describe(RenderOptions& options) {
   return params;
 }
 
+// Those of `names` alone.
+ParamList pick(ParamList params, const std::vector<std::string>& names) {
+  std::erase_if(params, [&](const Param& param) {
+    return std::find(names.begin(), names.end(), param.name) == names.end();
+  });
+  return params;
+}
+
+void check_method(const RenderOptions& options) {
+  const bool has_transport = !options.transport.empty();
+  if (options.method == Method::tree && !has_transport) return;
+  std::vector<std::string> unused{"quality", "tolerance"};
+  if (options.method == Method::splat || has_transport) unused.emplace_back("shading");
+  if (has_transport) unused.insert(unused.end(), {"samples", "rays", "seed"});
+  RenderOptions given = options, defaults;
+  check_unused(pick(describe(given), unused), pick(describe(defaults), unused),
+               has_transport ? "a picture without --transport" : "--method tree with it",
+               has_transport                     ? options.transport
+               : options.method == Method::splat ? "--method splat"
+                                                 : "--method brute");
+}
+
 void check_picture_name(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -200,13 +222,13 @@ void render_sweep(const Scene& scene, const FrameSource& frames, const Sweep& sw
 
 // A name on the command line is checked before the scene is read, which may take seconds.
 void render_file(RenderOptions options, const Context& context) {
+  check_method(options);
   if (options.method == Method::brute) options.params.method = GatherMethod::brute;
   if (!options.output.empty()) {
     check_picture_name(options.output);
     check_output(options.output, {options.scene});
   }
   if (!options.sweep.empty()) parse_sweep(options.sweep);
-  check_figures(context);
   LoadedScene loaded = load_scene(options.scene);
   if (options.output.empty()) {
     if (loaded.scene.output.empty())

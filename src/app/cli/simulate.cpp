@@ -48,28 +48,20 @@ ParamList describe(SimulateOptions& options) {
        .target = &options.seed,
        .min = -1}};
   for (Param& param : describe_photons(options.run)) params.push_back(std::move(param));
-  params.push_back({.name = "deflate",
-                    .help = "compression of the table, 0 for none",
-                    .target = &options.run.deflate,
-                    .min = 0,
-                    .max = 9});
+  params.push_back(deflate_param(options.run.deflate));
   return params;
 }
 
 void check_engine(const SimulateOptions& options) {
   if (options.engine == Engine::photon) return;
   PhotonRun given = options.run, defaults;
-  const ParamList list = describe_photons(given), plain = describe_photons(defaults);
-  for (std::size_t i = 0; i < list.size(); ++i)
-    if (format_value(list[i]) != format_value(plain[i]))
-      throw Error({{}, "--" + list[i].name, "--engine photon with it", "--engine analytic"},
-                  ErrorKind::usage);
+  check_unused(describe_photons(given), describe_photons(defaults), "--engine photon with it",
+               "--engine analytic");
 }
 
 void simulate(const SimulateOptions& options, const Context& context) {
   check_engine(options);
   check_output(options.run.output, {options.sample});
-  check_figures(context);
   const std::filesystem::path folder = std::filesystem::path(options.sample).parent_path();
   const Sample sample = read_sample(
       load_document(options.sample),

@@ -70,8 +70,7 @@ std::string make_demo(const DemoParams& params, const Progress& progress) {
       params.data + (params.small ? "/samples/chessboard-small.json" : "/samples/chessboard.json");
   const std::string stone = params.data + "/stone-72x64.h5", board = folder + "/chessboard.h5";
   const std::string embedded = params.data + "/embedded-stones-48.h5";
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
+  make_folder(folder);
   check_writable(folder + "/index.html");
   simulate_table(description, board, progress);
   const std::vector<PipelineSample> samples{

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -23,6 +24,11 @@ struct Command {
   std::string label, merge_key;
   Editor::Change change;
 };
+
+// Changes wait in a queue: one before may have taken away the layer that they are about.
+void check_layer(const EditSession& session, std::size_t index) {
+  if (index >= session.recipe.layers.size()) throw make_cancelled_error();
+}
 
 // As if read from a file, so that errors name the layer and the key.
 Document with_places(const Document& layer) {
@@ -232,22 +238,29 @@ void Editor::wait() {
 
 Editor::Change set_layer(std::size_t index, const Document& layer) {
   return [index, layer = with_places(layer)](EditSession& session) {
+    check_layer(session, index);
     return with_layer(session, index, layer);
   };
 }
 
 Editor::Change insert_layer(std::size_t index, const Document& layer) {
   return [index, layer = with_places(layer)](EditSession& session) {
-    return with_new_layer(session, index, layer);
+    return with_new_layer(session, std::min(index, session.recipe.layers.size()), layer);
   };
 }
 
 Editor::Change remove_layer(std::size_t index) {
-  return [index](EditSession& session) { return without_layer(session, index); };
+  return [index](EditSession& session) {
+    check_layer(session, index);
+    return without_layer(session, index);
+  };
 }
 
 Editor::Change move_layer(std::size_t from, std::size_t to) {
-  return [from, to](EditSession& session) { return with_moved_layer(session, from, to); };
+  return [from, to](EditSession& session) {
+    check_layer(session, std::max(from, to));
+    return with_moved_layer(session, from, to);
+  };
 }
 
 Editor::Change set_whole_recipe(Document recipe) {

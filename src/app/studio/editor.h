@@ -70,7 +70,7 @@ class Editor {
   std::unique_ptr<Impl> impl_;
 };
 
-// Changes.
+// Changes. One of a layer that an earlier one took away changes nothing.
 Editor::Change set_layer(std::size_t index, const Document& layer);
 Editor::Change insert_layer(std::size_t index, const Document& layer);
 Editor::Change remove_layer(std::size_t index);

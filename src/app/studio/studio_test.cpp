@@ -70,6 +70,21 @@ TEST(Editor, WhatFailsIsTakenBack) {
   EXPECT_EQ(editor.snapshot()->history, std::vector<std::string>{"good"});
 }
 
+// Keys may come faster than results.
+TEST(Editor, ChangesOfALayerThatIsGoneChangeNothing) {
+  Editor editor(make_map(), {});
+  editor.post("add", insert_layer(0, make_adjust(2)));
+  editor.post("remove", remove_layer(0));
+  editor.post("remove", remove_layer(0));
+  editor.post("drag", set_layer(0, make_adjust(3)));
+  editor.post("move", move_layer(0, 0));
+  editor.post("late", insert_layer(1, make_adjust(4)));
+  editor.wait();
+  EXPECT_FALSE(editor.take_error());
+  EXPECT_EQ(editor.snapshot()->layers.size(), 1u);
+  EXPECT_EQ(editor.snapshot()->history, (std::vector<std::string>{"add", "remove", "late"}));
+}
+
 TEST(Jobs, FinishOnTheWindowsThread) {
   Jobs jobs;
   const auto here = std::this_thread::get_id();

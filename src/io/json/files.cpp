@@ -135,6 +135,14 @@ std::string read_file(const std::string& path, std::size_t max_bytes) {
   return text;
 }
 
+void make_folder(const std::string& path) {
+  std::error_code failure;
+  fs::create_directories(path, failure);
+  if (failure)
+    throw Error({.file = path, .expected = "a folder that can be made", .found = failure.message()},
+                ErrorKind::resource);
+}
+
 void check_writable(const std::string& path) {
   const fs::path target = follow_links(path);
   std::error_code error;

@@ -21,6 +21,8 @@ void write_text(const std::string& path, std::string_view text);
 // A temporary name beside `path`, for writers that stay open: ".<name>.<pid>.<n>.partial". A
 // symbolic link is followed, so that the file it leads to is replaced and not the link.
 std::string temporary_name(const std::string& path);
+// A folder to write into, and those above it, where there is none yet; else Error(resource).
+void make_folder(const std::string& path);
 // Throws the same Error as write_file_atomically when `path` cannot be written.
 void check_writable(const std::string& path);
 // rename(2), flushed to disk first.

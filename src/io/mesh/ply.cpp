@@ -238,8 +238,8 @@ void check_count(Values& values, const Element& element) {
   values.enter(element, 0);
   if (least == 0 && element.count > 0) values.fail("properties", "none");
   if (least > 0 && element.count > values.left() / least)
-    values.fail(fmt::format("{} elements", element.count),
-                fmt::format("{} bytes", values.left() - 1));
+    values.fail(fmt::format("the {} of the header", element.count),
+                fmt::format("room for {} in the file", values.left() / least));
 }
 
 void skip(Values& values, const Property& property) {
