@@ -33,6 +33,7 @@ std::vector<int> fit_nodes(int level) {
 }
 std::vector<double> find_radii(const RadialLevels& radial, const std::vector<int>& nodes) {
   std::vector<double> radii;
+  radii.reserve(nodes.size());
   for (const int node : nodes)
     radii.push_back(static_cast<double>(radial.nodes[static_cast<std::size_t>(node)]));
   return radii;
@@ -41,6 +42,7 @@ std::vector<double> find_radii(const RadialLevels& radial, const std::vector<int
 // log2 A^2 at the nodes, as if the reference had no end.
 std::vector<Vec3> eval_kernel(const ReferenceProfile& reference, const std::vector<double>& radii) {
   std::vector<Vec3> kernel;
+  kernel.reserve(radii.size());
   for (const double r : radii)
     kernel.push_back(eval_reference(reference, r) * (2 * std::numbers::log2e_v<float>));
   return kernel;
@@ -100,11 +102,11 @@ Vec4 make_near_kernel(const ReferenceProfile& reference, double near_mm) {
   for (std::size_t c = 0; c < 3; ++c)
     integral[c] =
         integrate_near([&](double r) { return eval_reference_kernel(reference, r)[c]; }, near_mm);
-  std::vector<double> radii;
+  std::vector<double> radii(rings);
   Eigen::VectorXd roots(rings), weights(rings);  // by what a relative error of the root changes
   for (int i = 0; i < rings; ++i) {
     const double r = ring_radius(i, near_mm);
-    radii.push_back(r);
+    radii[static_cast<std::size_t>(i)] = r;
     const std::array<double, 3> kernel = eval_reference_kernel(reference, r);
     double mean = 0;
     for (std::size_t c = 0; c < 3; ++c)
@@ -137,12 +139,14 @@ void fit_sources(Sources& sources, const FitPrograms& programs, const RadialLeve
     const SourceLevel& level = sources.levels[static_cast<std::size_t>(l)];
     const Program& program = l == 0 ? programs.single : programs.group;
     std::vector<Attachment> fits;
+    fits.reserve(level.fit.size());
     for (const Texture& fit : level.fit) fits.push_back({&fit});
     const Framebuffer target = make_framebuffer(fits, "fits of samples");
     const std::vector<int> nodes = fit_nodes(l);
     const std::vector<double> radii = find_radii(radial, nodes);
     const std::vector<Vec3> of_kernel = eval_kernel(reference, radii);
     std::vector<Vec3> of_reference;
+    of_reference.reserve(nodes.size());
     for (const int node : nodes)
       of_reference.push_back(
           eval_reference_node(reference, radial.nodes, static_cast<std::size_t>(node)) *

@@ -31,10 +31,11 @@ def check_paint(studio):
     bare = studio.settle()
     studio.screenshot("mask-nothing")
     studio.drag("view", [(0.35, 0.45), (0.5, 0.55), (0.65, 0.45)], steps=8)
+    # A stroke becomes an entry once the button is up.
+    studio.until(lambda s: s["rows"][-2:] == ["mask of jade", "mask of jade"], "two entries")
     first = studio.settle()
     assert 0.005 < painted(first) < 0.2, painted(first)
     assert abs(first["brightness"] - bare["brightness"]) > 0.2, first["brightness"]
-    assert first["rows"][-2:] == ["mask of jade", "mask of jade"], first["rows"]
     studio.drag("view", [(0.5, 0.3), (0.5, 0.7)], held="ctrl")
     erased = studio.settle()
     assert painted(erased) < painted(first)
@@ -48,10 +49,9 @@ def check_paint(studio):
     studio.key("5")
     studio.move(*studio.place("view", 0.4, 0.6))
     studio.release()
-    state = studio.settle()
-    assert painted(state) > painted(first) and state["tool"] == "mask"
-    assert len(state["rows"]) == len(first["rows"]) + 1, state["rows"]
+    studio.until(lambda s: len(s["rows"]) == len(first["rows"]) + 1, "another entry")
     radius = studio.settle()
+    assert painted(radius) > painted(first) and radius["tool"] == "mask"
     studio.key("bracketright")
     studio.set_number("param/strength", "0.5")
     studio.key("m")

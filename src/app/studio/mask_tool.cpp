@@ -85,6 +85,7 @@ const VertexGraph& stage_graph(Studio& studio) {
 
 void begin_mask_stroke(Studio& studio, bool erases) {
   MaskTool& tool = studio.mask;
+  note_scene_now(studio);  // what came just before is an entry of its own
   tool.stroke.reset();
   if (!studio.selected_stage_layer && studio.layers.size() == 1) studio.selected_stage_layer = 0;
   if (std::string obstacle = find_obstacle(studio); !obstacle.empty())

@@ -52,7 +52,6 @@ struct MaskToolTest : testing::Test {
     extend_mask_stroke(studio, a, a);
     extend_mask_stroke(studio, a, b);
     finish_mask_stroke(studio);
-    note_scene_now(studio);
   }
   void set_mask(const SurfaceMask& mask) {
     SurfaceLayer layer = *studio.layers[0];
@@ -106,6 +105,7 @@ TEST_F(MaskToolTest, AStrokeIsOneEntry) {
   draw(false, 0.3, 0.4);
   const Weights second = weights();
   EXPECT_NE(first, second);
+  note_scene_now(studio);
   ASSERT_EQ(studio.scene_history.done.size(), entries + 2);
   EXPECT_EQ(studio.scene_history.done.back().label, "mask of red");
   undo(studio);

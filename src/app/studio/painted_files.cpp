@@ -35,6 +35,7 @@ std::set<std::string> files_of_masks(const Studio& studio) {
       for_vertex_masks(*layer, [&](const VertexMask& mask) { files.insert(mask.file); });
   };
   add(studio.layers);
+  if (studio.scene_history.present) add(studio.scene_history.present->layers);
   for (const auto* entries : {&studio.scene_history.done, &studio.scene_history.undone})
     for (const SceneEntry& entry : *entries) {
       add(entry.before.layers);
