@@ -219,7 +219,9 @@ def run_sessions(run, width, height):
         folder = pathlib.Path(name)
         display = Display(width, height)
         try:
+            started = time.monotonic()
             run(program, source_dir, display, folder)
+            print(f"seconds: {time.monotonic() - started:.3g}")
         finally:
             display.stop()
             if keep is not None:

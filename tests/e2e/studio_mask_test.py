@@ -7,7 +7,6 @@ usage: studio_mask_test.py PARIAN SOURCE_DIR [--keep FOLDER]
 
 import json
 import subprocess
-import time
 
 from png import mean_difference
 from studio_driver import Studio, run_sessions
@@ -99,6 +98,13 @@ def center_of_stroke(state, layer=0):
     return [sum(p[i] for p in points) / len(points) for i in (0, 1)]
 
 
+def click_at(studio, place):
+    """Where on the screen: the map's own places move under it."""
+    studio.move(*place)
+    studio.press()
+    studio.release()
+
+
 def check_zoom(studio):
     """Tools meet the same place of the map at any zoom."""
     studio.click("tab/Layers")
@@ -112,9 +118,7 @@ def check_zoom(studio):
         studio.xdotool("click", 4)
     studio.until(lambda s: s["flat_zoom"] > 2.9, "zoomed map")
     studio.settle()
-    studio.move(*at)
-    studio.press()
-    studio.release()
+    click_at(studio, at)
     state = studio.until(lambda s: len(source(s, 0)["selection"]["of"]) == 2, "second stroke")
     zoomed = center_of_stroke(state)
     pixel = 0.5
@@ -124,9 +128,7 @@ def check_zoom(studio):
     per_mm = state["flat_zoom"] * width / (state["map_size"][0] * pixel)
     studio.drag("flat", [(0.5, 0.5), (0.3, 0.4)], button=2)
     studio.settle()
-    studio.move(*at)
-    studio.press()
-    studio.release()
+    click_at(studio, at)
     state = studio.until(lambda s: len(source(s, 0)["selection"]["of"]) == 3, "third stroke")
     moved = center_of_stroke(state)
     assert abs((moved[0] - zoomed[0]) * per_mm - 0.2 * width) < 3, (moved, zoomed, per_mm)
@@ -157,11 +159,5 @@ def run(program, source_dir, display, folder):
         studio.stop()
 
 
-def main():
-    started = time.monotonic()
-    run_sessions(run, WIDTH, HEIGHT)
-    print(f"seconds: {time.monotonic() - started:.3g}")
-
-
 if __name__ == "__main__":
-    main()
+    run_sessions(run, WIDTH, HEIGHT)

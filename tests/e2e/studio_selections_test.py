@@ -7,7 +7,6 @@ usage: studio_selections_test.py PARIAN SOURCE_DIR [--keep FOLDER]
 
 import json
 import subprocess
-import time
 
 from studio_driver import Studio, run_sessions
 from studio_test import choose_draft, count_layers, source, write_ball
@@ -237,11 +236,5 @@ def run(program, source_dir, display, folder):
         studio.stop()
 
 
-def main():
-    started = time.monotonic()
-    run_sessions(run, WIDTH, HEIGHT)
-    print(f"seconds: {time.monotonic() - started:.3g}")
-
-
 if __name__ == "__main__":
-    main()
+    run_sessions(run, WIDTH, HEIGHT)

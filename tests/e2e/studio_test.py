@@ -504,7 +504,6 @@ def fourth_session(program, display, source_dir, folder, figures):
 
 def main():
     figures = {}
-    started = time.monotonic()
 
     def run(program, source_dir, display, folder):
         first_session(program, display, folder, figures)
@@ -514,7 +513,6 @@ def main():
         check_recipe(program, source_dir, folder)
 
     run_sessions(run, WIDTH, HEIGHT)
-    figures["seconds"] = time.monotonic() - started
     for name, value in figures.items():
         print(f"{name}: {value:.3g}")
 

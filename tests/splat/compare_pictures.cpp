@@ -1,5 +1,7 @@
 #include "tests/splat/compare_pictures.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <filesystem>
 
@@ -27,6 +29,17 @@ std::string dump_pictures(const std::string& name, const Image& reference, const
   save_image(folder + "-reference.png", reference);
   save_image(folder + "-difference.png", difference);
   return "pictures: " + folder + "*.png";
+}
+
+void expect_close(const Image& reference, const Image& image, const std::vector<float>& coverage,
+                  const std::string& name) {
+  const RelativeErrors errors = relative_errors(reference, image, coverage);
+  EXPECT_GT(errors.pixels, 2000u);
+  EXPECT_LE(errors.mean, 0.02);
+  EXPECT_LE(errors.p99, 0.08);
+  ::testing::Test::RecordProperty("mean", std::to_string(errors.mean));
+  ::testing::Test::RecordProperty("p99", std::to_string(errors.p99));
+  if (::testing::Test::HasFailure()) ADD_FAILURE() << dump_pictures(name, reference, image);
 }
 
 }  // namespace parian

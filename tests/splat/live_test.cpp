@@ -168,13 +168,7 @@ TEST(Live, PicturesAreThoseOfTheCpu) {
     renderer.draw();
     const Image image = renderer.read();
     const Image expected = reference.render(make_material(factor)).image;
-    const RelativeErrors errors = relative_errors(expected, image, renderer.coverage());
-    EXPECT_GT(errors.pixels, 2000u);
-    EXPECT_LE(errors.mean, 0.02);
-    EXPECT_LE(errors.p99, 0.08);
-    RecordProperty("mean", std::to_string(errors.mean));
-    RecordProperty("p99", std::to_string(errors.p99));
-    if (HasFailure()) ADD_FAILURE() << dump_pictures("parian-live", expected, image);
+    expect_close(expected, image, renderer.coverage(), "parian-live");
   }
 }
 

@@ -74,14 +74,7 @@ void expect_like_rays(Scene scene, double roughness, const std::string& name) {
   const Image image = renderer.read();
   const Image reference = combine(render_reference(scene, samples, rays),
                                   trace_reflection(scene, RayTracer(scene.mesh)), 1);
-  const RelativeErrors errors = relative_errors(reference, image, renderer.coverage());
-  EXPECT_GT(errors.pixels, 2000u);
-  EXPECT_LE(errors.mean, 0.02);
-  EXPECT_LE(errors.p99, 0.08);
-  ::testing::Test::RecordProperty("mean", std::to_string(errors.mean));
-  ::testing::Test::RecordProperty("p99", std::to_string(errors.p99));
-  if (::testing::Test::HasFailure())
-    ADD_FAILURE() << dump_pictures("parian-reflection-" + name, reference, image);
+  expect_close(reference, image, renderer.coverage(), "parian-reflection-" + name);
 }
 
 TEST(Reflection, OfASkyIsHiddenByAKnot) {

@@ -19,15 +19,8 @@ void expect_like_reference(const Scene& scene, const std::string& name) {
   renderer.draw();
   const Image image = renderer.read();
   const Image reference = render_reference(scene, samples, rays);
-  const RelativeErrors errors = relative_errors(reference, image, renderer.coverage());
   for (const float value : image.values) ASSERT_TRUE(std::isfinite(value));
-  EXPECT_GT(errors.pixels, 2000u);
-  EXPECT_LE(errors.mean, 0.02);
-  EXPECT_LE(errors.p99, 0.08);
-  ::testing::Test::RecordProperty("mean", std::to_string(errors.mean));
-  ::testing::Test::RecordProperty("p99", std::to_string(errors.p99));
-  if (::testing::Test::HasFailure())
-    ADD_FAILURE() << dump_pictures("parian-splat-" + name, reference, image);
+  expect_close(reference, image, renderer.coverage(), "parian-splat-" + name);
 }
 
 TEST(Splat, ProfileMapUnderASun) {

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <filesystem>
 
 #include "app/cli/inputs.h"
@@ -12,7 +11,6 @@
 #include "io/hdf5/map_file.h"
 #include "io/json/json.h"
 #include "mesh/shapes.h"
-#include "render/render.h"
 
 namespace parian {
 namespace {
@@ -63,24 +61,6 @@ std::string write_rich_scene(const std::string& folder, Document material) {
        {"background", array({0.1, 0.2, 0.3})}});
   save_document(folder + "/scene.json", scene);
   return folder + "/scene.json";
-}
-
-Image render_small(const Scene& scene) {
-  RenderParams params;
-  params.samples = 3000;
-  params.rays = 8;
-  params.antialias = 1;
-  params.method = GatherMethod::brute;
-  return render(scene, params).image;
-}
-
-double largest_difference(const Scene& a, const Scene& b) {
-  const Image one = render_small(a), other = render_small(b);
-  EXPECT_EQ(one.values.size(), other.values.size());
-  double most = 0;
-  for (std::size_t i = 0; i < one.values.size(); ++i)
-    most = std::max(most, static_cast<double>(std::abs(one.values[i] - other.values[i])));
-  return most;
 }
 
 Scene shown_scene(const Studio& studio) {

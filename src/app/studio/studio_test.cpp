@@ -280,8 +280,7 @@ TEST(Studio, LeavesAutosavesOfRunningEditorsAlone) {
 TEST(Studio, RecipesWaitForTheMapThatTheyComeWith) {
   const StateFolder folder;
   Studio studio;
-  start_small(studio, folder);
-  studio.still = Still::draft;
+  start_draft(studio, folder);
   run(studio);
   const std::string map = folder.path + "/small.h5", recipe = folder.path + "/a.json";
   save_profile_map(map, make_map());
@@ -302,8 +301,7 @@ TEST(Studio, RecipesWaitForTheMapThatTheyComeWith) {
 TEST(Studio, OfTwoMapsTheSecondIsToPickFrom) {
   const StateFolder folder;
   Studio studio;
-  start_small(studio, folder);
-  studio.still = Still::draft;
+  start_draft(studio, folder);
   run(studio);
   ProfileMap large = make_profile_map(200, 150, 3, 0.5, {0, 1, 2, 3});
   for (std::size_t i = 0; i < large.log_profile.size(); ++i) large.log_profile[i] = -2;

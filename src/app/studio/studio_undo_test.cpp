@@ -50,8 +50,7 @@ void rest(Studio& studio) {
 TEST(Studio, UndoesTheCameraBesideTheRecipe) {
   const StateFolder folder;
   Studio studio;
-  start_small(studio, folder);
-  studio.still = Still::draft;
+  start_draft(studio, folder);
   rest(studio);
   const Orbit first = studio.orbit;
   // A burst of the wheel, then another move: one entry.
@@ -102,8 +101,7 @@ TEST(Studio, UndoesTheCameraBesideTheRecipe) {
 TEST(Studio, ViewsOfAnotherMeshAreForgotten) {
   const StateFolder folder;
   Studio studio;
-  start_small(studio, folder);
-  studio.still = Still::draft;
+  start_draft(studio, folder);
   rest(studio);
   turn(studio.orbit, 10, 5, 100);
   touch_view(studio);

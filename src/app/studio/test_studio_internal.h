@@ -4,13 +4,16 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <thread>
 
 #include "app/studio/studio_files.h"
 #include "app/studio/tools.h"
+#include "render/render.h"
 
 namespace parian {
 
@@ -60,6 +63,29 @@ inline void make_small(Studio& studio) {
 inline void start_small(Studio& studio, const StateFolder& folder) {
   start_studio(studio, {folder.path, PARIAN_SOURCE_DIR "/data"});
   make_small(studio);
+}
+// The same, with pictures that stay drafts.
+inline void start_draft(Studio& studio, const StateFolder& folder) {
+  start_small(studio, folder);
+  studio.still = Still::draft;
+}
+
+// Of pictures that the CPU makes of both.
+inline Image render_small(const Scene& scene) {
+  RenderParams params;
+  params.samples = 3000;
+  params.rays = 8;
+  params.antialias = 1;
+  params.method = GatherMethod::brute;
+  return render(scene, params).image;
+}
+inline double largest_difference(const Scene& a, const Scene& b) {
+  const Image one = render_small(a), other = render_small(b);
+  EXPECT_EQ(one.values.size(), other.values.size());
+  double most = 0;
+  for (std::size_t i = 0; i < one.values.size(); ++i)
+    most = std::max(most, static_cast<double>(std::abs(one.values[i] - other.values[i])));
+  return most;
 }
 
 }  // namespace parian
